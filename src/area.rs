@@ -68,23 +68,23 @@ impl AreaLight {
         };
         let right = DVec3::Y.cross(normal).try_normalize().unwrap_or(DVec3::X);
         let up = normal.cross(right).try_normalize().unwrap_or(DVec3::Z);
-        let light = |sample| {
+        let light = |(sample, (row, radius)): (usize, (usize, usize))| {
             let offset = match self.shape {
                 AreaShape::Rectangle { width, height } => {
-                    let at = shift.square(sample, count) - 0.5;
+                    let at = shift.square([sample, row], count) - 0.5;
                     right * at.x * f64::from(width) + up * at.y * f64::from(height)
                 }
                 AreaShape::Disc { radius } => {
-                    let at = disc(shift.square(sample, count)) * f64::from(radius);
+                    let at = disc(shift.square([sample, row], count)) * f64::from(radius);
                     right * at.x + up * at.y
                 }
-                AreaShape::Sphere { radius } => shift.ball(sample, count) * f64::from(radius),
+                AreaShape::Sphere { radius: most } => shift.ball([sample, row], radius, count) * f64::from(most),
             };
             let xyz = (middle + offset).as_vec3().to_array();
             let at = if w == 0.0 { Light::directional(xyz) } else { Light::point(xyz) };
             Light { range, cone, ..at }
         };
-        (0..count).map(light).collect()
+        ranks(count, GOLDEN).into_iter().zip(ranks(count, PLASTIC)).enumerate().map(light).collect()
     }
 }
 
@@ -104,27 +104,27 @@ impl Shift {
         Self { column: cell(pattern, patterns) - 0.5, rows, is_only: patterns == 1 }
     }
 
-    /// A sample's position in the unit square. No other sample of the pattern is in its row or its column, like rooks that
-    /// do not attack each other.
-    fn square(self, sample: usize, count: usize) -> DVec2 {
-        let across = cell(sample, count) + self.column / count as f64;
-        DVec2::new(across, (cell(rank(sample, count, GOLDEN), count) + self.rows[0]).fract())
+    /// The position in the unit square of the sample in a column and a row. No other sample of the pattern is in either,
+    /// like rooks that do not attack each other.
+    fn square(self, [column, row]: [usize; 2], count: usize) -> DVec2 {
+        let across = cell(column, count) + self.column / count as f64;
+        DVec2::new(across, (cell(row, count) + self.rows[0]).fract())
     }
 
-    /// A sample's position in the unit ball. The density is proportional to 1 / √(1 − r²), so the ball's picture is even
-    /// from every side.
-    fn ball(self, sample: usize, count: usize) -> DVec3 {
+    /// The position in the unit ball of the sample in a column, a row and the shell of number `radius`. The density is
+    /// proportional to 1 / √(1 − r²), so the ball's picture is even from every side.
+    fn ball(self, square: [usize; 2], radius: usize, count: usize) -> DVec3 {
         if count == 1 && self.is_only {
             return DVec3::ZERO;
         }
         // With r = sin t, the share of samples within r is (2t − sin 2t) / π. Bisection solves it.
-        let share = (cell(rank(sample, count, PLASTIC), count) + self.rows[1]).fract();
+        let share = (cell(radius, count) + self.rows[1]).fract();
         let (mut low, mut high) = (0.0, FRAC_PI_2);
         for _ in 0..60 {
             let t: f64 = 0.5 * (low + high);
             if 2.0 * t - (2.0 * t).sin() < share * PI { low = t } else { high = t }
         }
-        let at = self.square(sample, count);
+        let at = self.square(square, count);
         let height = 2.0 * at.x - 1.0;
         let around = (1.0 - height * height).sqrt() * DVec2::from_angle(TAU * at.y);
         DVec3::new(around.x, height, around.y) * low.sin()
@@ -152,10 +152,12 @@ fn cell(index: usize, count: usize) -> f64 {
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 const PLASTIC: f64 = 0.569_840_290_998_053_3;
 
-/// How many of `count` multiples of `step` have a smaller fraction than this sample's.
-fn rank(sample: usize, count: usize, step: f64) -> usize {
-    let fraction = |index: usize| (index as f64 * step).fract();
-    (0..count).filter(|&other| fraction(other) < fraction(sample)).count()
+/// For each of `count` multiples of `step` how many of them have a smaller fraction.
+fn ranks(count: usize, step: f64) -> Vec<usize> {
+    let fractions: Vec<f64> = (0..count).map(|index| (index as f64 * step).fract()).collect();
+    let mut sorted = fractions.clone();
+    sorted.sort_unstable_by(f64::total_cmp);
+    fractions.iter().map(|fraction| sorted.partition_point(|other| other < fraction)).collect()
 }
 
 /// Maps the unit square onto the unit disc and keeps areas and neighbours (Shirley and Chiu 1997).
@@ -188,9 +190,23 @@ mod tests {
     fn rooks_do_not_threaten_each_other() {
         for count in 1..=64 {
             for step in [GOLDEN, PLASTIC] {
-                let mut ranks: Vec<usize> = (0..count).map(|sample| rank(sample, count, step)).collect();
+                let mut ranks = ranks(count, step);
                 ranks.sort_unstable();
                 assert!(ranks.into_iter().eq(0..count), "{count} samples");
+            }
+        }
+    }
+
+    /// Pair by pair, a million would take hours.
+    #[test]
+    fn ranks_count_smaller_fractions_of_many_samples() {
+        for step in [GOLDEN, PLASTIC] {
+            let fraction = |index: usize| (index as f64 * step).fract();
+            for count in [1, 5, 32, 1 << 20] {
+                for (sample, &rank) in ranks(count, step).iter().enumerate().take(8) {
+                    let smaller = (0..count).filter(|&other| fraction(other) < fraction(sample)).count();
+                    assert_eq!(rank, smaller, "sample {sample} of {count}");
+                }
             }
         }
     }

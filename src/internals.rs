@@ -38,17 +38,6 @@ pub mod shadow {
     }
 }
 
-/// The choice of an [`Origin`](crate::Origin).
-pub mod origin {
-    pub use crate::origin::{bounds, smallest};
-}
-
-/// Welding of colours.
-#[cfg(feature = "gltf")]
-pub mod colors {
-    pub use crate::gltf::colors::{split, welded};
-}
-
 /// Internals of depth maps: the decision on near caps before the map is read, the input of draws, and the error of converted
 /// distances.
 #[cfg(feature = "depth-map")]
@@ -87,11 +76,6 @@ pub mod depth_map {
     }
 }
 
-/// Checks of lists of lights, and the number of their batches.
-pub mod light {
-    pub use crate::light::{batches, check_lights, check_shadow_lights};
-}
-
 /// The list of stages, with their WGSL.
 #[cfg(feature = "gpu")]
 pub mod stages {
@@ -107,24 +91,6 @@ pub mod displace {
     /// The WGSL of the deform stage with this displacement. The caller's source comes first, so its line numbers hold.
     pub fn deform_wgsl(displacement: &Displacement) -> String {
         displacement.deform_wgsl()
-    }
-}
-
-/// The influences of one vertex.
-pub mod model {
-    use std::ops::Range;
-
-    use crate::Influences;
-
-    /// The range of vertex `v`'s entries in [`Influences::joints`] and [`Influences::weights`]. It is empty past the
-    /// last vertex.
-    pub fn influence_range(influences: &Influences, v: usize) -> Range<usize> {
-        influences.range(v)
-    }
-
-    /// The largest number of entries of a vertex.
-    pub fn most_per_vertex(influences: &Influences) -> usize {
-        influences.most_per_vertex()
     }
 }
 
@@ -187,10 +153,8 @@ pub mod cpu {
     pub use crate::cpu::extract::per_edge::per_edge;
     pub use crate::cpu::polygon::edge_pair::edge_pair;
     pub use crate::cpu::polygon::half_space::fits_half_space;
-    pub use crate::cpu::polygon::orientation::Orientation;
     pub use crate::cpu::polygon::polygon_facing::polygon_facing;
     pub use crate::cpu::polygon::polygon_masks::{PolygonMasks, polygon_masks};
-    pub use crate::cpu::polygon::polygon_pairs::Boundary;
     pub use crate::cpu::polygon::polygon_turns::polygon_turns;
     pub use crate::cpu::query::shadow_boxes::shadow_boxes;
     pub use crate::cpu::*;

@@ -396,28 +396,29 @@ shared_structs! {
         bins_per_key: f32;
     }
 
-    /// Statistics of an encode of shadow volumes. `count_bound` apart, they count lights, or pairs of caster and light.
+    /// Statistics of an encode of shadow volumes. A pair is a caster and a light in one view. A list is for a group of
+    /// casters and a light in one view. A group has one page of topology and one source of positions.
     struct ShadowStatistics {
-        /// Lights for which the caster is skipped: it is out of range, or its shadow is out of sight or falls on no receiver.
+        /// Pairs whose light is relevant to the caster, but of which nothing is drawn: the caster is out of range or has no
+        /// finite face, or its shadow is out of sight or falls on no receiver.
         skipped: u32;
-        /// Lights for which every face casts.
+        /// Pairs for which every face casts.
         every_face: u32;
-        /// Lights with a near cap.
+        /// Lists with near caps.
         near_capped: u32;
-        /// Lights with a list of cap faces that overflowed. Their draws go over all faces.
+        /// Lists whose cap faces overflowed. Their draws go over all faces.
         overflowed_caps: u32;
-        /// Lights with a list of sides that overflowed. Their draws go over all edges.
+        /// Lists whose sides overflowed. Their draws go over all edges.
         overflowed_sides: u32;
-        /// Lights whose volume ends, at the light's range or behind all receivers.
+        /// Pairs whose volume ends, at the light's range or behind all receivers.
         ended: u32;
         /// An upper bound of the stencil counts of all casters together, for any light and view. 0 unless it was requested.
         count_bound: u32;
-        /// Lights, in each view, whose bound is larger than the largest count: 255, or less with fewer
+        /// Pairs of light and view whose bound is larger than the largest count: 255, or less with fewer
         /// [`count_bits`](crate::gpu::ShadowFormat::count_bits), and half as much where casters are counted in several batches. 0
         /// unless it was requested.
         may_wrap: u32;
-        /// Pairs of light and view whose lists of sides and caps were kept from an earlier encode, for each group of casters of
-        /// a scene. A group has one page of topology and one source of positions.
+        /// Lists of sides and caps that an earlier encode made, and that are drawn again.
         cached_lists: u32;
         /// Skipped pairs whose volume no receiver can be in. Pairs that were skipped in an earlier encode, and are cached,
         /// are not among them.

@@ -53,7 +53,7 @@
 //! ```no_run
 //! # use rimline::{gpu::*, *};
 //! # fn f(device: &wgpu::Device, encoder: &mut wgpu::CommandEncoder, frame: &SceneFrame, lights: &[LightHandle],
-//! #     depth: &wgpu::TextureView, target: &wgpu::Texture) -> Result<(), MaskError> {
+//! #     depth: &wgpu::TextureView, target: &wgpu::Texture) -> Result<(), ShadowError> {
 //! let mut masks = ShadowMasks::new(device)?; // once
 //! frame.write_masks(encoder, &mut masks, &MaskInputs { depth, view: 0, lights, target })?;
 //! # Ok(()) }
@@ -139,7 +139,7 @@ mod turns;
 pub use area::{AreaLight, AreaShape};
 #[cfg(feature = "gpu")]
 pub use displace::{DisplaceError, Displacement};
-pub use light::{Cone, Light, LightError, MAX_LIGHTS};
+pub use light::{Cone, Light, LightError, MAX_LIGHTS, check_lights, check_shadow_lights};
 pub use mesh::{Mesh, MeshError};
 pub use method::Predicate;
 pub use model::{

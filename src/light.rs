@@ -22,10 +22,10 @@ pub struct Light {
     pub xyz: [f32; 3],
     /// The homogeneous weight.
     pub w: f32,
-    /// How far the light reaches, in world space: Bergeron's sphere of influence (1986). It must be
-    /// positive. Every constructor sets it to infinity, which means no limit. It changes no facing or silhouette bit. A
-    /// caster farther away throws no shadow volume; see also [`crate::gpu::SceneOptions::end_at_range`]. It has no
-    /// meaning where `w` is 0.
+    /// How far the light reaches, in world space: a positive number, which every constructor sets to infinity, no
+    /// limit. A caster farther away throws no shadow volume (Bergeron's sphere of influence, 1986); see also
+    /// [`crate::gpu::SceneOptions::end_at_range`]. It changes no facing or silhouette bit. It has no meaning where `w`
+    /// is 0.
     pub range: f32,
     /// The cone of a spot light, whose apex is the light, in world space. Nothing outside of it is lit, so a caster outside
     /// throws no shadow volume in a scene. It changes no facing or silhouette bit. It has no meaning where `w` is 0.
@@ -163,6 +163,7 @@ pub enum LightError {
 }
 
 /// Checks a list of lights: at most `limit` of them, all finite, none all zeros, ranges positive, cones with a direction.
+/// Extraction refuses the same; a tool may check what it read before any work.
 ///
 /// # Errors
 /// The first [`LightError`] found.
@@ -190,7 +191,8 @@ pub fn check_lights(lights: &[Light], limit: usize) -> Result<(), LightError> {
     Ok(())
 }
 
-/// Checks a list of lights for shadows: as [`check_lights`], and none with a negative weight.
+/// Checks a list of lights for shadows: as [`check_lights`], and none with a negative weight. Scenes and queries refuse the
+/// same.
 ///
 /// # Errors
 /// The first [`LightError`] found.
@@ -213,7 +215,7 @@ pub(crate) fn check_room(max_lights: usize) -> Result<(), LightError> {
 }
 
 /// The number of batches that `lights` lights take: ⌈lights / 32⌉.
-pub const fn batches(lights: usize) -> usize {
+pub(crate) const fn batches(lights: usize) -> usize {
     lights.div_ceil(32)
 }
 

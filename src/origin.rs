@@ -53,10 +53,10 @@ impl Origin {
     /// The origin for triangles. Vertices that no face names do not count, nor do those whose coordinates `f32` cannot hold.
     pub fn of(positions: &[[f64; 3]], faces: &[[u32; 3]]) -> Self {
         let corner = |&v: &u32| positions.get(v as usize).copied();
-        let bounds = bounds(faces.iter().flatten().filter_map(corner));
+        let bounds = Self::bounds(faces.iter().flatten().filter_map(corner));
         let edges = || {
             let edges = faces.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
-            smallest(edges.filter_map(|[a, b]| Some([corner(&a)?, corner(&b)?])))
+            Self::smallest_edge(edges.filter_map(|[a, b]| Some([corner(&a)?, corner(&b)?])))
         };
         bounds.map_or(Self::ZERO, |bounds| Self::near(bounds, edges))
     }
@@ -81,6 +81,26 @@ impl Origin {
             return Self::ZERO;
         }
         origin
+    }
+
+    /// The lowest and the highest corner of the points that `f32` can hold, for [`Self::near`]. `None` if there are none.
+    pub fn bounds(points: impl IntoIterator<Item = [f64; 3]>) -> Option<[[f64; 3]; 2]> {
+        let mut bounds: Option<[[f64; 3]; 2]> = None;
+        for point in points.into_iter().filter(is_held) {
+            let [low, high] = bounds.get_or_insert([point; 2]);
+            for (axis, c) in point.into_iter().enumerate() {
+                low[axis] = low[axis].min(c);
+                high[axis] = high[axis].max(c);
+            }
+        }
+        bounds
+    }
+
+    /// The length of the smallest edge that has one, for [`Self::near`]. Infinity if there is none.
+    pub fn smallest_edge(edges: impl IntoIterator<Item = [[f64; 3]; 2]>) -> f64 {
+        let edges = edges.into_iter().filter(|ends| ends.iter().all(is_held));
+        let square = |[a, b]: [[f64; 3]; 2]| a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
+        edges.map(square).filter(|&square| square > 0.0).fold(f64::INFINITY, f64::min).sqrt()
     }
 
     /// The point in the world.
@@ -132,26 +152,6 @@ impl Origin {
 pub(crate) fn half_step(size: f64) -> f64 {
     let least = f64::from(f32::MIN_POSITIVE);
     power_of_two_below(size.abs().max(least)) / f64::from(1 << 24)
-}
-
-/// The lowest and the highest corner of the points that `f32` can hold.
-pub fn bounds(points: impl IntoIterator<Item = [f64; 3]>) -> Option<[[f64; 3]; 2]> {
-    let mut bounds: Option<[[f64; 3]; 2]> = None;
-    for point in points.into_iter().filter(is_held) {
-        let [low, high] = bounds.get_or_insert([point; 2]);
-        for (axis, c) in point.into_iter().enumerate() {
-            low[axis] = low[axis].min(c);
-            high[axis] = high[axis].max(c);
-        }
-    }
-    bounds
-}
-
-/// The length of the smallest edge that has one, or infinity.
-pub fn smallest(edges: impl IntoIterator<Item = [[f64; 3]; 2]>) -> f64 {
-    let edges = edges.into_iter().filter(|ends| ends.iter().all(is_held));
-    let square = |[a, b]: [[f64; 3]; 2]| a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
-    edges.map(square).filter(|&square| square > 0.0).fold(f64::INFINITY, f64::min).sqrt()
 }
 
 fn is_held(point: &[f64; 3]) -> bool {

@@ -36,11 +36,11 @@ pub enum Counting {
     /// z-pass that begins with near caps: casting faces, projected from the light onto the near plane (after Hornus et
     /// al. 2005). The same functions clip sides and caps. See docs/numerics/shadow-volumes.md.
     ZpPlus,
-    /// ZP+ as Hornus et al. published it in 2005, for comparison. The matrix of the light's frustum computes the near caps.
-    /// Side vertices before the near plane move to their position in the cap, and corrective quads close the gaps. A
-    /// caster is counted by z-fail for a light where the near plane cuts both ends of a side (its case D), or where the
-    /// caster has faces that are not finite. The method is not right from every camera, and takes perspective cameras
-    /// only. [`Self::Auto`] never chooses it. It needs what z-fail needs.
+    /// ZP+ as Hornus et al. published it in 2005, for comparison: the matrix of the light's frustum computes the near
+    /// caps, side vertices before the near plane move to their position in the cap, and corrective quads close the
+    /// gaps. A caster is counted by z-fail for a light where the near plane cuts both ends of a side (its case D), or
+    /// where the caster has faces that are not finite. The method is not right from every camera, takes perspective
+    /// cameras only, and needs what z-fail needs. [`Self::Auto`] never chooses it.
     #[doc(hidden)]
     ZpPlus2005,
     /// Counts what fails the depth test, with light and dark caps (Everitt and Kilgard 2002). It needs an infinite far

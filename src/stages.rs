@@ -126,8 +126,8 @@ pub const FILES: &[(&str, &str)] = files! {
     common: casters, determinant, exact_sign, extraction, order_keys, positions;
     deform: deform, displace;
     depth_map: cell_words, contour, contour_crossings, contour_marks, contour_rim, contour_tiles, contour_walls,
-        converted_maps, depth_cells, depth_edges, depth_near, depth_walls, edge_code, mesh_depth, samples, scan,
-        surface;
+        converted_maps, depth_cells, depth_edges, depth_near, depth_walls, edge_code, edge_rule, edge_strips, mesh_depth,
+        samples, scan, surface;
     extract: compact, edge_lists, edges, exact_facing, facing, one_caster, per_edge, results;
     interface: caster, outlined;
     mask: shadow_masks;

@@ -213,8 +213,8 @@ fn measure(rounds: usize) -> Result<Vec<Row>, Error> {
 
 // The end of a frame: black where the stencil is not 0, or where a lookup in the map finds shadow.
 const SHADER: &str = "
-@group(0) @binding(0) var eye_depth: texture_depth_2d;
-@group(0) @binding(1) var map: texture_depth_2d;
+@group(0) @binding(0) var eye_depth: texture_2d<f32>;
+@group(0) @binding(1) var map: texture_2d<f32>;
 // From the eye's device coordinates to the light's.
 @group(0) @binding(2) var<uniform> to_light: mat4x4<f32>;
 @vertex fn everywhere(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4<f32> {
@@ -224,12 +224,12 @@ const SHADER: &str = "
   return vec4<f32>(0.0, 0.0, 0.0, 1.0);
 }
 @fragment fn lookup(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
-  let depth = textureLoad(eye_depth, vec2<i32>(at.xy), 0);
+  let depth = textureLoad(eye_depth, vec2<i32>(at.xy), 0).x;
   let ndc = 2.0 * at.xy / vec2<f32>(textureDimensions(eye_depth)) - 1.0;
   let seen = to_light * vec4<f32>(ndc.x, -ndc.y, depth, 1.0);
   let point = seen.xyz / seen.w;
   let texel = (0.5 + 0.5 * vec2<f32>(point.x, -point.y)) * vec2<f32>(textureDimensions(map));
-  if (depth == 0.0 || point.z < textureLoad(map, vec2<i32>(texel), 0) + 0.001) {
+  if (depth == 0.0 || point.z < textureLoad(map, vec2<i32>(texel), 0).x + 0.001) {
     discard;
   }
   return vec4<f32>(0.0, 0.0, 0.0, 1.0);

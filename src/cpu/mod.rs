@@ -19,4 +19,6 @@ pub use extract::extraction::{Extraction, extract};
 pub use extract::facing::FacingStatistics;
 pub use occlusion::occluded_faces::{OccludedFaces, OcclusionCaster, OcclusionStatistics};
 pub use occlusion::options::OcclusionOptions;
+pub use polygon::orientation::Orientation;
+pub use polygon::polygon_pairs::Boundary;
 pub use query::shadow_depth::{shadow_depth, shadow_depth_on_faces};

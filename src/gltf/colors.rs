@@ -49,46 +49,51 @@ pub(super) fn of_vertices(
     }))
 }
 
-/// Bytes that [`split`] and [`welded`] take for a vertex and for a face, if vertices have colours.
+/// Bytes that [`Colors::split_seams`] and [`Colors::welded`] take for a vertex and for a face, if vertices have colours.
 pub(super) const WELDING: [u64; 2] = [4 + 12, 12];
 
-/// Gives each face the mean colour of its corners, if vertices at one position have different colours: welding would mix
-/// these. The faces may have any number of corners.
-pub fn split<'a>(colors: &mut Colors, positions: &[[f32; 3]], faces: impl ExactSizeIterator<Item = &'a [u32]>) {
-    let Some(vertices) = &colors.vertices else { return };
-    let mut order: Vec<u32> = (0..positions.len() as u32).collect();
-    order.sort_unstable_by_key(|&v| positions[v as usize].map(bits));
-    let is_seam = |pair: &[u32]| {
-        let [a, b] = [pair[0] as usize, pair[1] as usize];
-        same_bits(positions[a], positions[b]) && vertices[a] != vertices[b]
-    };
-    if !order.windows(2).any(is_seam) {
-        return;
-    }
-    let of_faces = colors.faces.get_or_insert_with(|| vec![WHITE; faces.len()]);
-    for (color, corners) in of_faces.iter_mut().zip(faces) {
-        for (channel, value) in color.iter_mut().enumerate() {
-            let sum: f64 = corners.iter().map(|&v| f64::from(vertices[v as usize][channel])).sum();
-            *value *= (sum / corners.len() as f64) as f32;
-        }
-    }
-    colors.vertices = None;
-}
-
-/// The colours once vertices are welded, where the same faces name other vertices. A welded vertex has the colour of the
-/// first that a face names; [`split`] sees to it that those at one position have the same.
-#[must_use]
-pub fn welded(colors: Colors, before: &[[u32; 3]], after: &Geometry) -> Colors {
-    let renumbered = |old: Vec<[f32; 3]>| {
-        let mut new = vec![WHITE; after.positions().len()];
-        let corners = before.as_flattened().iter().zip(after.faces().as_flattened());
-        corners.rev().for_each(|(&from, &to)| new[to as usize] = old[from as usize]);
-        new
-    };
-    Colors { vertices: colors.vertices.map(renumbered), ..colors }
-}
-
 impl Colors {
+    /// Gives each face the mean colour of its corners, if vertices at one position have different colours: welding would mix
+    /// these. The faces may have any number of corners. Colours that are missing are white.
+    pub fn split_seams<'a>(&mut self, positions: &[[f32; 3]], faces: impl ExactSizeIterator<Item = &'a [u32]>) {
+        let Some(vertices) = &self.vertices else { return };
+        let mut order: Vec<u32> = (0..positions.len() as u32).collect();
+        order.sort_unstable_by_key(|&v| positions[v as usize].map(bits));
+        let is_seam = |pair: &[u32]| {
+            let [a, b] = [pair[0] as usize, pair[1] as usize];
+            same_bits(positions[a], positions[b]) && vertices.get(a) != vertices.get(b)
+        };
+        if !order.windows(2).any(is_seam) {
+            return;
+        }
+        let of_faces = self.faces.get_or_insert_with(|| vec![WHITE; faces.len()]);
+        for (color, corners) in of_faces.iter_mut().zip(faces) {
+            for (channel, value) in color.iter_mut().enumerate() {
+                let of_corner = |&v: &u32| f64::from(vertices.get(v as usize).unwrap_or(&WHITE)[channel]);
+                let sum: f64 = corners.iter().map(of_corner).sum();
+                *value *= (sum / corners.len() as f64) as f32;
+            }
+        }
+        self.vertices = None;
+    }
+
+    /// The colours once vertices are welded, where the same faces name other vertices. A welded vertex has the colour of the
+    /// first that a face names; [`Self::split_seams`] sees to it that those at one position have the same.
+    #[must_use]
+    pub fn welded(self, before: &[[u32; 3]], after: &Geometry) -> Self {
+        let renumbered = |old: Vec<[f32; 3]>| {
+            let mut new = vec![WHITE; after.positions().len()];
+            let corners = before.as_flattened().iter().zip(after.faces().as_flattened());
+            for (&from, &to) in corners.rev() {
+                if let (Some(new), Some(&old)) = (new.get_mut(to as usize), old.get(from as usize)) {
+                    *new = old;
+                }
+            }
+            new
+        };
+        Self { vertices: self.vertices.map(renumbered), ..self }
+    }
+
     /// Whether all is white.
     pub(super) fn is_white(&self) -> bool {
         self.faces.is_none() && self.vertices.is_none()
@@ -97,5 +102,24 @@ impl Colors {
     /// The size in memory, in bytes.
     pub(super) fn bytes(&self) -> u64 {
         [&self.faces, &self.vertices].into_iter().flatten().map(|colors| 12 * colors.capacity() as u64).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::GeometryOptions;
+
+    #[test]
+    fn colours_that_are_missing_are_white() {
+        let (red, faces) = ([1.0, 0.0, 0.0], [[0, 1, 2]]);
+        let positions = vec![[0.0; 3], [0.0; 3], [1.0; 3]];
+        let given = Colors { faces: None, vertices: Some(vec![red]) };
+        let mut split = given.clone();
+        split.split_seams(&positions, faces.iter().map(<[u32; 3]>::as_slice));
+        let mean = (2.0_f64 / 3.0) as f32;
+        assert_eq!(split, Colors { faces: Some(vec![[1.0, mean, mean]]), vertices: None });
+        let geometry = Geometry::new(positions, faces.to_vec(), GeometryOptions::default()).expect("a face");
+        assert_eq!(given.welded(&faces, &geometry).vertices, Some(vec![red, WHITE, WHITE]));
     }
 }

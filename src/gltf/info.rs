@@ -6,6 +6,9 @@ use crate::mesh::Weld;
 
 /// Options of [`Asset::open`](super::Asset::open) and [`Asset::from_slice`](super::Asset::from_slice).
 ///
+/// A file beyond [`Self::memory_limit`] is refused by the counts that its JSON states, before its data is read. All
+/// allocations together, also those given back, may be eight times the limit, which bounds the time.
+///
 /// ```no_run
 /// use rimline::gltf::{Asset, LoadOptions};
 ///
@@ -17,18 +20,11 @@ use crate::mesh::Weld;
 pub struct LoadOptions {
     /// Which vertices are welded.
     pub weld: Weld,
-    /// The largest memory, in bytes, that the file may take. It counts the files read, their JSON and data, the asset,
-    /// and one pose, the lights and the mesh of all instances ([`Model::mesh`]). [`GltfError::TooLarge`] refuses the
-    /// asset before more is taken.
-    ///
-    /// The most that is in use at one time counts. A mesh of a million faces and one instance counts about 0.1 GiB. It is
-    /// refused by the counts that the JSON states, before its data is read. All allocations together, also those given
-    /// back, may be eight times the limit, which bounds the time. The bytes given to
-    /// [`Asset::from_slice`](super::Asset::from_slice) do not count, nor does later data such as a copy on the GPU.
-    /// Default: [`LoadOptions::DEFAULT_MEMORY_LIMIT`].
-    ///
-    /// [`Model::mesh`]: crate::Model::mesh
-    /// [`GltfError::TooLarge`]: super::GltfError::TooLarge
+    /// The largest memory, in bytes, that the file may take at one time: the files read, their JSON and data, the
+    /// asset, and one pose, the lights and the mesh of all instances ([`Model::mesh`](crate::Model::mesh)).
+    /// [`GltfError::TooLarge`](super::GltfError::TooLarge) refuses the asset before more is taken. A mesh of a million
+    /// faces and one instance counts about 0.1 GiB; the bytes given to [`Asset::from_slice`](super::Asset::from_slice)
+    /// and later data, such as a copy on the GPU, do not count. Default: [`LoadOptions::DEFAULT_MEMORY_LIMIT`].
     pub memory_limit: u64,
     /// Whether to read buffers outside the folder of the glTF, by `..`, an absolute path or a symbolic link. The author
     /// of the glTF chooses these files. Default: no, which gives [`GltfError::Outside`](super::GltfError::Outside).

@@ -213,10 +213,10 @@ impl Draft<'_> {
             let [vertex, face] = colors::WELDING;
             budget.charge(geometry.positions().len() as u64, vertex, &|| format!("meshes[{mesh}]"))?;
             budget.charge(geometry.faces().len() as u64, face, &|| format!("meshes[{mesh}]"))?;
-            colors::split(&mut colors, geometry.positions(), geometry.faces().iter().map(<[u32; 3]>::as_slice));
+            colors.split_seams(geometry.positions(), geometry.faces().iter().map(<[u32; 3]>::as_slice));
         }
         let (welded, counts) = geometry.welded(weld);
-        let colors = colors::welded(colors, geometry.faces(), &welded);
+        let colors = colors.welded(geometry.faces(), &welded);
         drop(geometry);
         budget.settle(mark, budget::remaining_bytes(&welded) + colors.bytes());
         self.geometries.push(welded);

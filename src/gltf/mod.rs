@@ -47,7 +47,7 @@ mod asset;
 mod budget;
 mod camera;
 mod cameras;
-pub(crate) mod colors;
+mod colors;
 mod container;
 mod curve;
 mod document;

@@ -7,7 +7,7 @@ use super::document::Placement;
 use super::error::GltfError;
 use super::pose::State;
 use crate::model::Geometry;
-use crate::origin::{Origin, bounds, half_step, smallest};
+use crate::origin::{Origin, half_step};
 
 /// Where the instances of a file are at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,7 +107,7 @@ impl Asset {
         let (mut low, mut high, mut stored) = (DVec3::INFINITY, DVec3::NEG_INFINITY, 0.0_f64);
         let mut add = |center: DVec3, half: DVec3| {
             // Places that `f32` cannot hold do not count.
-            if let Some([from, to]) = bounds([(center - half).to_array(), (center + half).to_array()]) {
+            if let Some([from, to]) = Origin::bounds([(center - half).to_array(), (center + half).to_array()]) {
                 (low, high) = (low.min(from.into()), high.max(to.into()));
             }
         };
@@ -175,7 +175,7 @@ impl Placed<'_> {
             }
         }
         let edges = self.geometry.faces().iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
-        smallest(edges.map(|ends| ends.map(|v| positions[numbers[v as usize] as usize])))
+        Origin::smallest_edge(edges.map(|ends| ends.map(|v| positions[numbers[v as usize] as usize])))
     }
 }
 
@@ -191,7 +191,7 @@ fn used(geometry: &Geometry) -> Vec<bool> {
 /// The box of the vertices that faces name, in the geometry's own space.
 fn box_of(geometry: &Geometry) -> Option<[[f64; 3]; 2]> {
     let used = geometry.positions().iter().zip(used(geometry)).filter(|(_, used)| *used);
-    bounds(used.map(|(position, _)| position.map(f64::from)))
+    Origin::bounds(used.map(|(position, _)| position.map(f64::from)))
 }
 
 fn columns(matrix: &DAffine3) -> [DVec3; 3] {

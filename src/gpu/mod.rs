@@ -26,7 +26,6 @@ pub use extract::extraction::{Extraction, ExtractionResults};
 pub use extract::extractor::Extractor;
 pub use extract::include::{include_wgsl, results_bind_group_layout};
 pub use extract::options::{EdgeTopology, ExtractorOptions, ListOptions, MAX_BOUNDARY_EDGES};
-pub use mask::errors::MaskError;
 pub use mask::shadow_masks::{MaskInputs, ShadowMasks};
 pub use outline::{Outline, OutlineError, OutlineFormat, OutlineInputs, OutlinePipeline, OutlineSource, OutlineStyle};
 pub use query::errors::QueryError;

@@ -146,13 +146,12 @@ impl Default for OutlineStyle {
 pub enum OutlineSource<'a> {
     /// The edges of an extraction, and the number of the light. The extractor has lists of quads, the default.
     Extraction(&'a Extraction, usize),
-    /// The edges of all casters of a frame of a scene, and a light of that frame. There is one draw for each group of
-    /// casters. Without [views](crate::gpu::FrameInputs::views) the encode prepares no shadow volumes. With views it
-    /// does so for this light, too, unless [`View::lights`](crate::gpu::View::lights) leaves it out.
-    ///
-    /// A caster has no outline if its [`Caster::lights`](crate::gpu::Caster::lights) lack the light, if it is out of
-    /// the light's range or cone, or if [`Scene::set_occluders`](crate::gpu::Scene::set_occluders) hide it from the
-    /// light. So give the light neither range nor cone. Faces that count nowhere in shadows, by
+    /// The edges of all casters of a frame of a scene, and a light of that frame, with one draw for each group of
+    /// casters. Leave the light out of all views by [`View::lights`](crate::gpu::View::lights), else the encode
+    /// prepares shadow volumes for it; an encode without [views](crate::gpu::FrameInputs::views) prepares none. A
+    /// caster has no outline if its [`Caster::lights`](crate::gpu::Caster::lights) lack the light, if it is out of the
+    /// light's range or cone (so give it neither), or if [`Scene::set_occluders`](crate::gpu::Scene::set_occluders)
+    /// hide it from the light. Faces that count nowhere in shadows, by
     /// [`Scene::set_excluded`](crate::gpu::Scene::set_excluded), have outlines like all others.
     ///
     /// ```no_run

@@ -61,7 +61,7 @@ impl Influences {
 
     /// The range of vertex `v`'s entries in [`Influences::joints`] and [`Influences::weights`]. It is empty past the
     /// last vertex.
-    pub(crate) fn range(&self, v: usize) -> std::ops::Range<usize> {
+    pub fn range(&self, v: usize) -> std::ops::Range<usize> {
         match self.offsets.get(v..).unwrap_or_default() {
             &[begin, end, ..] => begin as usize..end as usize,
             _ => 0..0,
@@ -69,7 +69,7 @@ impl Influences {
     }
 
     /// The largest number of entries of a vertex.
-    pub(crate) fn most_per_vertex(&self) -> usize {
+    pub fn most_per_vertex(&self) -> usize {
         self.offsets.windows(2).map(|pair| (pair[1] - pair[0]) as usize).max().unwrap_or(0)
     }
 

@@ -87,6 +87,7 @@ fn once() -> Result<(), String> {
     let extractor = Extractor::new(&pipelines, &mesh, ExtractorOptions::default()).map_err(text)?;
     let plain = ShadowFormat::default();
     let format = ShadowFormat { samples: 4, ..plain.clone() };
+    let trimmed = ShadowFormat { trim: true, ..plain.clone() };
     // `warm_up.rs` counts those that compute.
     for (counting, format, new) in [
         (Counting::Auto, &plain, 4),
@@ -95,6 +96,8 @@ fn once() -> Result<(), String> {
         (Counting::ZFail, &plain, 5),
         (Counting::ZpPlus2005, &plain, 3),
         (Counting::Auto, &format, 4),
+        // One pipeline draws all parts of trimmed sides.
+        (Counting::ZPass, &trimmed, 1),
     ] {
         for new in [new, 0] {
             made.push(Box::new(ShadowPipelines::new(&pipelines, format, counting).map_err(text)?));

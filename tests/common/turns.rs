@@ -58,7 +58,14 @@ pub(crate) fn of_command() -> Outcome {
             }
         }
     }
-    // Others have no loops, but for a compute shader, whose loops go over the faces and corners that share a normal.
+    // A compute shader goes over the faces and corners that share a normal.
+    let source = [read(common)?, read("rimline-picture/src/normals.wgsl")?].join("\n");
+    for (entry, turns) in turns(&source, &limits(32, EXACT_ITEMS))? {
+        if turns > MOST_TURNS.into() {
+            return Err(format!("{entry}: {turns} turns, of which {MOST_TURNS} are allowed"));
+        }
+    }
+    // Others have no loops.
     let known = [&["rimline-picture/src/normals.wgsl"][..], &modules.concat()].concat();
     let mut left = ["rimline-cli/src", "rimline-picture/src"].map(|name| folder.join(name)).to_vec();
     while let Some(path) = left.pop() {

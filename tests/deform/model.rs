@@ -1,7 +1,6 @@
 //! Models, poses and their parts are checked when they are made, and each refusal names the part.
 
 use rimline::internals::cpu::{self, Threads};
-use rimline::internals::model::{influence_range, most_per_vertex};
 use rimline::mesh::{PolygonLoops, Weld};
 use rimline::{Geometry, GeometryOptions, Influences, Instance, InstancePose, Model, ModelError, Pose};
 
@@ -108,8 +107,8 @@ fn each_part_names_what_is_wrong() {
 #[test]
 fn what_is_given_is_what_is_there() {
     let influences = Influences::new(vec![0, 2, 2, 3], vec![4, 0, 1], vec![0.5, -0.5, 2.0]).expect("they go together");
-    let ranges = [0, 1, 2, 3, usize::MAX].map(|vertex| influence_range(&influences, vertex));
-    assert_eq!((ranges, most_per_vertex(&influences)), ([0..2, 2..2, 2..3, 0..0, 0..0], 2));
+    let ranges = [0, 1, 2, 3, usize::MAX].map(|vertex| influences.range(vertex));
+    assert_eq!((ranges, influences.most_per_vertex()), ([0..2, 2..2, 2..3, 0..0, 0..0], 2));
     let options = GeometryOptions {
         name: Some("a".to_owned()),
         morph_targets: vec![vec![[f32::NAN; 3]; 3]],

@@ -77,12 +77,20 @@ fn resources() -> Result<(), String> {
     let displacement = Displacement::new(FROM_BUFFER).map_err(text)?;
     let layout = storage_layout(gpu, &[(3, true)]);
     let offsets: Vec<[f32; 4]> = (0..4000).map(|v| [v as f32, random.between(-9.0, 9.0), 0.5, 7.0]).collect();
-    let buffer = gpu.storage(&offsets);
-    let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("offsets"),
-        layout: &layout,
-        entries: &[wgpu::BindGroupEntry { binding: 3, resource: buffer.as_entire_binding() }],
-    });
+    let [buffer, gone] = [gpu.storage(&offsets), gpu.storage(&offsets)];
+    let group_of = |layout: &wgpu::BindGroupLayout, binding: u32, buffer: &wgpu::Buffer| {
+        gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("offsets"),
+            layout,
+            entries: &[wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() }],
+        })
+    };
+    let group = group_of(&layout, 3, &buffer);
+    let wrong = [
+        ("another layout", group_of(&storage_layout(gpu, &[(0, true)]), 0, &buffer)),
+        ("a destroyed buffer", group_of(&layout, 3, &gone)),
+    ];
+    gone.destroy();
     let with = |displacement_layout| DeformerOptions {
         displacement: Some(&displacement),
         displacement_layout,
@@ -102,7 +110,14 @@ fn resources() -> Result<(), String> {
     gpu.submit(|encoder| {
         let error = deformer.encode(encoder, &pose).err();
         same("no bind group", &[error], &[Some(DeformError::Resources)])?;
-        deformer.encode(encoder, PoseInputs { resources: Some(&group), ..PoseInputs::new(&pose) }).map_err(text)
+        let mut encode = |resources| deformer.encode(encoder, PoseInputs { resources, ..PoseInputs::new(&pose) });
+        for (what, group) in &wrong {
+            match encode(Some(group)) {
+                Err(DeformError::BindGroup { .. }) => {}
+                found => return Err(format!("{what}: {found:?}")),
+            }
+        }
+        encode(Some(&group)).map_err(text)
     })?;
     let found: Vec<[f32; 3]> = gpu.read(deformer.positions().buffer, model.vertex_count())?;
     let mut expected = Vec::new();

@@ -17,8 +17,8 @@ use crate::metric::bits;
 use crate::parity::{device_depth, either};
 use crate::picture::{EVERY_CELL, Encoded, FACES, Maps, REVERSED, Volumes, by, differences, pipelines};
 use crate::rules::{Rule, cast, listed_of_cube};
-use crate::scene::vector;
 use crate::stages::camera;
+use rimline_testkit::frames::vector;
 use rimline_testkit::textures::{objects, read};
 
 pub(crate) const TESTS: &[Test] = &[("cube_samples_and_cells_are_those_of_their_rays", lists)];

@@ -2,9 +2,6 @@
 //! adapter these tests fail; they are never passed over.
 
 mod boundary;
-#[path = "../shadow/classes.rs"]
-#[allow(dead_code, reason = "only its frames are used here")]
-mod classes;
 mod contours;
 mod cube;
 mod distances;
@@ -17,14 +14,8 @@ mod picture;
 mod planes;
 mod refusals;
 mod rules;
-#[path = "../shadow/scene.rs"]
-#[allow(dead_code, reason = "only its cameras and rays are used here")]
-mod scene;
 mod scene_depth;
 mod shadows;
-#[path = "../shadow/shells.rs"]
-#[allow(dead_code, reason = "only its frames are used here")]
-mod shells;
 mod stages;
 mod vertices;
 mod views;

@@ -3,7 +3,7 @@
 //! `depth_merge`.
 
 use glam::{DVec2, DVec3, Mat4};
-use rimline::gpu::depth_map::{DepthMap, DepthMapConversion, DepthMapMerge, DepthMapOptions, DepthMetric};
+use rimline::gpu::depth_map::{DepthMap, DepthMapOptions, DepthMapTexture, DepthMetric};
 use rimline::internals::depth_map::metric_steps;
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_testkit::device::Gpu;
@@ -17,8 +17,8 @@ use crate::distances::Measured;
 use crate::maps::maps;
 use crate::parity::device_depth;
 use crate::picture::{Maps, REVERSED, STANDARD, Target, look};
-use crate::scene::{Eye, Rays, vector};
 use crate::stages::camera;
+use rimline_testkit::frames::{Eye, Rays, vector};
 use rimline_testkit::textures::{depth_view, read, texture};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -138,11 +138,11 @@ fn converted(
     (size, given): ([u32; 2], &[f32]),
 ) -> Result<wgpu::Texture, String> {
     let map = texture(gpu, size, TextureFormat::R32Float, given)?;
-    let conversion = DepthMapConversion::new(&gpu.pipelines, size).map_err(text)?;
+    let conversion = DepthMapTexture::new(&gpu.pipelines, size).map_err(text)?;
     let view = depth_view(&map);
     let map = DepthMap::new(&view, *camera);
-    gpu.submit(|encoder| conversion.encode(encoder, &map, metric).map_err(text))?;
-    Ok(conversion.texture().texture().clone())
+    gpu.submit(|encoder| conversion.convert(encoder, &map, metric).map_err(text))?;
+    Ok(conversion.view().texture().clone())
 }
 
 fn depths() -> Result<(), String> {
@@ -258,17 +258,16 @@ fn nearer() -> Result<(), String> {
             let [first, second] = [read_of(0)?, read_of(1)?];
             let nearest_of = |(&a, &b): (&f32, &f32)| if is_reversed { a.max(b) } else { a.min(b) };
             let truth: Vec<_> = first.iter().zip(&second).map(nearest_of).collect();
-            let merge = DepthMapMerge::new(&gpu.pipelines, size).map_err(text)?;
+            let map = DepthMapTexture::new(&gpu.pipelines, size).map_err(text)?;
             let merged = |depth| {
-                gpu.submit(|encoder| merge.encode(encoder, views.each_ref(), depth).map_err(text))?;
-                Ok::<_, String>(bits(&read(&gpu, merge.texture().texture())?))
+                gpu.submit(|encoder| map.merge(encoder, views.each_ref(), depth).map_err(text))?;
+                Ok::<_, String>(bits(&read(&gpu, map.view().texture())?))
             };
             let what = format!("{formats:?} {size:?}, reversed {is_reversed}");
             same(&what, &merged(pair[0].direction())?, &bits(&truth))?;
-            let conversion = DepthMapConversion::new(&gpu.pipelines, size).map_err(text)?;
             let given = DepthMap::new(&views[0], camera(pair[0].direction()));
-            gpu.submit(|encoder| conversion.encode(encoder, &given, DepthMetric::Device).map_err(text))?;
-            let converted = bits(&read(&gpu, conversion.texture().texture())?);
+            gpu.submit(|encoder| map.convert(encoder, &given, DepthMetric::Device).map_err(text))?;
+            let converted = bits(&read(&gpu, map.view().texture())?);
             same("converted", &converted, &bits(&first))?;
             // Negative controls: the other map, and the other direction, which takes the farther depth.
             if first != second {

@@ -7,6 +7,7 @@ use glam::{DVec2, DVec3, DVec4};
 use rimline::ShadowCamera;
 use rimline::gpu::depth_map::DepthMapOptions;
 use rimline_testkit::device::Gpu;
+use rimline_testkit::frames::{Eye, Rays, vector};
 use rimline_testkit::harness::Test;
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, same};
@@ -17,7 +18,6 @@ use crate::maps::Map;
 use crate::near_rectangles::{both, eye_at, position};
 use crate::parity::{self, SIDE, clip, light, seen, seen_depths};
 use crate::picture::{Maps, REVERSED, STANDARD, Target, by, contours, look};
-use crate::scene::{Eye, Rays, vector};
 
 pub(crate) const TESTS: &[Test] = &[
     ("near_rectangles_behind_a_rim_have_the_parity_of_walls_and_flaps", behind_a_rim),

@@ -20,7 +20,7 @@ use crate::maps::Map;
 use crate::parity::{self, SIDE, any_eye, clip, either, light, map, seen, seen_depths, truth, unprojected};
 use crate::picture::{AUTOMATIC, Encoded, Maps, REVERSED, STANDARD, Target, Volumes, by, contours, look, pipelines};
 use crate::rules::{cast, rank};
-use crate::scene::{Eye, Rays, vector};
+use rimline_testkit::frames::{Eye, Rays, vector};
 use rimline_testkit::textures::read;
 
 pub(crate) const TESTS: &[Test] = &[

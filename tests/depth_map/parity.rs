@@ -6,6 +6,7 @@ use glam::{DVec2, DVec3, DVec4, Mat4};
 use rimline::gpu::depth_map::DepthMapOptions;
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_testkit::device::Gpu;
+use rimline_testkit::frames::{CENTRE, Eye, Rays, SAMPLES, vector};
 use rimline_testkit::harness::Test;
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, must_fail};
@@ -15,7 +16,6 @@ use crate::boundary::Boundary;
 use crate::cube::cube_of;
 use crate::maps::Map;
 use crate::picture::{EVERY_CELL, Maps, REVERSED, STANDARD, Target, by, differences};
-use crate::scene::{CENTRE, Eye, Rays, SAMPLES, vector};
 
 pub(crate) const TESTS: &[Test] = &[
     ("parity_is_that_of_rays", of_maps),

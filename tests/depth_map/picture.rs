@@ -17,7 +17,7 @@ use rimline_testkit::passes::depth_pass;
 use wgpu::TextureFormat;
 
 use crate::maps::Map;
-use crate::scene::Eye;
+use rimline_testkit::frames::Eye;
 use rimline_testkit::textures::{Stencils, depth_view, sampled, texture};
 
 pub(crate) const REVERSED: DepthDirection = DepthDirection::Reversed;

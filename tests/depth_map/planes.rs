@@ -5,6 +5,7 @@ use glam::DVec3;
 use rimline::gpu::depth_map::{DepthMapCube, DepthMapMethod, DepthMapOptions};
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_testkit::device::Gpu;
+use rimline_testkit::frames::{Eye, Rays, vector};
 use rimline_testkit::harness::Test;
 use rimline_testkit::is_long;
 use rimline_testkit::on_gpu::text;
@@ -14,7 +15,6 @@ use crate::boundary::sample;
 use crate::maps::Map;
 use crate::parity::{SIDE, clip, device_depth, either, middle};
 use crate::picture::{AUTOMATIC, EVERY_CELL, Maps, REVERSED, Target, by, look};
-use crate::scene::{Eye, Rays, vector};
 
 pub(crate) const TESTS: &[Test] = &[
     ("planes_at_grazing_angles_have_no_specks", grazing),

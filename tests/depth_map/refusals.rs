@@ -2,14 +2,14 @@
 
 use glam::DVec3;
 use rimline::gpu::depth_map::{
-    DanglingEdges, DepthCubeMaps, DepthMap, DepthMapConversion, DepthMapCube, DepthMapError, DepthMapMerge,
-    DepthMapMethod, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, DepthMetric, MeshDepth, SceneDepth,
-    SceneDepthCasters,
+    DanglingEdges, DepthCubeMaps, DepthMap, DepthMapCube, DepthMapError, DepthMapMethod, DepthMapOptions,
+    DepthMapPipelines, DepthMapTexture, DepthMapVolumes, DepthMetric, MeshDepth, SceneDepth, SceneDepthCasters,
 };
 use rimline::gpu::{DeviceError, PositionBuffer, ShadowError, ShadowFormat};
 use rimline::mesh::Weld;
 use rimline::{CameraError, Light, Mesh, ShadowCamera};
 use rimline_testkit::device::Gpu;
+use rimline_testkit::frames::Eye;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::passes::{self, depth_pass};
@@ -19,7 +19,6 @@ use wgpu::TextureFormat;
 
 use crate::metric::aside;
 use crate::picture::{REVERSED, STANDARD, by, contours, differences, look, pipelines};
-use crate::scene::Eye;
 use crate::scene_depth::{Casters, FORMATS, SIDE, map};
 use crate::stages::camera;
 
@@ -407,11 +406,10 @@ fn made() -> Result<(), String> {
     let most = gpu.device.limits().max_texture_dimension_2d;
     let too_large = |size| is(DepthMapError::Texture { size, max_side: most });
     refused([
-        refusal("no width", DepthMapMerge::new(&gpu.pipelines, [0, 4]), is(DepthMapError::Size(0, 4))),
-        refusal("no height", DepthMapMerge::new(&gpu.pipelines, [4, 0]), is(DepthMapError::Size(4, 0))),
-        refusal("too wide", DepthMapMerge::new(&gpu.pipelines, [most + 1, 1]), too_large([most + 1, 1])),
-        refusal("a conversion", DepthMapConversion::new(&gpu.pipelines, [4, 0]), is(DepthMapError::Size(4, 0))),
-        refusal("too high", DepthMapConversion::new(&gpu.pipelines, [1, most + 1]), too_large([1, most + 1])),
+        refusal("no width", DepthMapTexture::new(&gpu.pipelines, [0, 4]), is(DepthMapError::Size(0, 4))),
+        refusal("no height", DepthMapTexture::new(&gpu.pipelines, [4, 0]), is(DepthMapError::Size(4, 0))),
+        refusal("too wide", DepthMapTexture::new(&gpu.pipelines, [most + 1, 1]), too_large([most + 1, 1])),
+        refusal("too high", DepthMapTexture::new(&gpu.pipelines, [1, most + 1]), too_large([1, most + 1])),
     ])?;
     let of = |format, side| view(&gpu, (format, side), ONE, DRAWN | READ);
     let (fixed, depth) = (of(TextureFormat::Depth16Unorm, 4), of(DEPTH, 4));
@@ -427,22 +425,22 @@ fn made() -> Result<(), String> {
         format: DEPTH,
         accepted: "R32Float for distances, or `DepthMetric::Device` for device depths",
     };
-    let merge = DepthMapMerge::new(&gpu.pipelines, [4, 4]).map_err(text)?;
-    let conversion = DepthMapConversion::new(&gpu.pipelines, [4, 4]).map_err(text)?;
+    let merge = DepthMapTexture::new(&gpu.pipelines, [4, 4]).map_err(text)?;
+    let conversion = DepthMapTexture::new(&gpu.pipelines, [4, 4]).map_err(text)?;
     let of_light = || is(DepthMapError::Light(CameraError::Singular));
     let [device, axis, ray] = [DepthMetric::Device, DepthMetric::AlongAxis, DepthMetric::AlongRay];
     gpu.submit(|encoder| {
-        let mut encode = |maps| merge.encode(encoder, maps, STANDARD);
+        let mut encode = |maps| merge.merge(encoder, maps, STANDARD);
         refused([
             refusal("map 1", encode([&fixed, &large]), size("map 1 of the merge")),
             refusal("map 0", encode([&large, &fixed]), size("map 0 of the merge")),
-            refusal("its own", encode([merge.texture(), &fixed]), is(DepthMapError::OwnResult)),
+            refusal("its own", encode([merge.view(), &fixed]), is(DepthMapError::MapIsResult)),
             refusal("the same twice", encode([&fixed; 2]), Expected::Taken),
         ])?;
-        let mut encode = |texture, light, metric| conversion.encode(encoder, &DepthMap::new(texture, light), metric);
+        let mut encode = |texture, light, metric| conversion.convert(encoder, &DepthMap::new(texture, light), metric);
         refused([
             refusal("size", encode(&large, light, ray), size("the map")),
-            refusal("own", encode(conversion.texture(), light, ray), is(DepthMapError::OwnResult)),
+            refusal("own", encode(conversion.view(), light, ray), is(DepthMapError::MapIsResult)),
             refusal("format", encode(&depth, light, axis), is(format)),
             refusal("light", encode(&right, singular(light), axis), of_light()),
             refusal("light of depths", encode(&right, singular(light), device), of_light()),

@@ -7,6 +7,7 @@ use rimline::gpu::{Caster, CasterHandle, FrameInputs, LightMask, PositionBuffer,
 use rimline::mesh::{PolygonLoops, Weld};
 use rimline::{DepthDirection, Light, Matrix3x4, Mesh, ShadowCamera};
 use rimline_testkit::device::Gpu;
+use rimline_testkit::frames::{Eye, Rays, vector};
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
@@ -18,7 +19,6 @@ use wgpu::TextureFormat;
 use crate::metric::bits;
 use crate::parity::{device_depth, middle};
 use crate::picture::look;
-use crate::scene::{Eye, Rays, vector};
 
 pub(crate) const TESTS: &[Test] = &[
     ("the_depth_of_a_scene_is_that_of_its_meshes_and_of_rays", equal),
@@ -232,7 +232,7 @@ fn light(random: &mut Random, number: usize) -> ShadowCamera {
 /// latter are stated.
 fn equal() -> Result<(), String> {
     let (gpu, mut random) = Gpu::seeded(1714)?;
-    let (mut culled, mut all, mut covered) = (0, 0, 0);
+    let (mut culled, mut all, mut texels) = (0, 0, 0);
     for number in 0..if is_long() { 96 } else { 24 } {
         let is_far = number % 2 == 1;
         let mut casters = Casters::new(&gpu)?;
@@ -261,7 +261,7 @@ fn equal() -> Result<(), String> {
         let mut moved = found.clone();
         moved.rotate_right(3);
         let ([bad, seen], [noticed, _]) = (wrong(&tracer, &light, &found, step), wrong(&tracer, &light, &moved, step));
-        covered += seen;
+        texels += seen;
         if bad > 0 || noticed < 50 {
             return Err(format!("{what}: {bad} wrong of {seen}, {noticed} if moved"));
         }
@@ -275,7 +275,7 @@ fn equal() -> Result<(), String> {
             return Err(format!("{missing} missing casters are noticed"));
         }
     }
-    println!("{covered} texels covered; {culled} of {all} culled");
+    println!("{texels} texels compared; {culled} of {all} culled");
     // A caster without a box is drawn. A box out of the map culls a caster, even if its vertices are in the map.
     let mut casters = Casters::new(&gpu)?;
     casters.fill(&gpu, &mut random, (8, 0.1))?;
@@ -287,7 +287,7 @@ fn equal() -> Result<(), String> {
         let (_, counts) = casters.drawn(&gpu, FORMATS[0], &light, SceneDepthCasters::All)?;
         same("culled", &[counts.outside], &[outside])?;
     }
-    let is_tried = covered > 4000 && culled * 4 > all && culled * 10 < all * 9;
+    let is_tried = texels > 4000 && culled * 4 > all && culled * 10 < all * 9;
     if is_tried { Ok(()) } else { Err("too few of a kind".to_owned()) }
 }
 

@@ -12,11 +12,11 @@ use rimline_testkit::random::Random;
 use rimline_testkit::rays::Tracer;
 use wgpu::TextureFormat;
 
-use crate::classes::CLASSES;
 use crate::picture::{AUTOMATIC, EVERY_CELL, Encoded, REVERSED, STANDARD, Target, by, contours, differences, look};
-use crate::scene::{Body, Eye, Frame};
 use crate::views::{Receiver, Seen, Sun, Tally, View, worlds};
 use crate::worlds::World;
+use rimline_testkit::frame_classes::CLASSES;
+use rimline_testkit::frames::{Body, Eye, Frame};
 use rimline_testkit::textures::objects;
 
 pub(crate) const TESTS: &[Test] = &[

@@ -18,7 +18,7 @@ use wgpu::TextureFormat;
 use crate::maps::{Map, further, maps};
 use crate::picture::{AUTOMATIC, EVERY_CELL, Encoded, Maps, REVERSED, Volumes, by, differences, look, pipelines};
 use crate::rules::{Rule, exact, exceeds, listed};
-use crate::scene::Eye;
+use rimline_testkit::frames::Eye;
 use rimline_testkit::textures::{objects, read, texture};
 
 pub(crate) const TESTS: &[Test] = &[

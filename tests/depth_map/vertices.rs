@@ -12,6 +12,7 @@ use rimline::internals::stages::{DEPTH_SURFACE, DEPTH_WALLS, MESH_DEPTH, Stage};
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::dispatch::uniform;
+use rimline_testkit::frames::vector;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::probe::{Bound, Probe};
@@ -28,7 +29,6 @@ use crate::near_rectangles::ROUNDING;
 use crate::parity::{any_eye, light, map};
 use crate::picture::{EVERY_CELL, REVERSED, by, contours, differences};
 use crate::rules::{CELL, Rule, SPLIT, TRIANGLES, listed, listed_of_cube};
-use crate::scene::vector;
 
 pub(crate) const TESTS: &[Test] = &[
     ("vertices_of_boundaries_are_those_of_f64", of_maps),

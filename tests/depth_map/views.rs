@@ -6,6 +6,7 @@ use std::cell::OnceCell;
 use glam::{DVec2, DVec3, DVec4};
 use rimline::ShadowCamera;
 use rimline_testkit::device::Gpu;
+use rimline_testkit::frames::{Eye, Rays};
 use rimline_testkit::random::Random;
 use rimline_testkit::shapes;
 use wgpu::TextureFormat;
@@ -13,7 +14,6 @@ use wgpu::TextureFormat;
 use crate::maps::Map;
 use crate::parity::{clip, device_depth, middle};
 use crate::picture::{Maps, REVERSED, STANDARD, look};
-use crate::scene::{Eye, Rays};
 use crate::worlds::World;
 
 /// Pixels along the side of what the eye sees, and texels of a map.

@@ -4,7 +4,6 @@ use libtest_mimic::Trial;
 use rimline::Transform;
 use rimline::cpu::{self, Threads};
 use rimline::gltf::{Asset, Colors, GltfError, GltfWarning};
-use rimline::internals::model::influence_range;
 use rimline::model::{Geometry, GeometryOptions, Influences, Instance, Model, ModelError};
 use rimline_testkit::poser::{self, gltf::File};
 
@@ -22,7 +21,7 @@ fn sound(model: &Model, must_be_finite: bool) -> Outcome {
         ensure(!must_be_finite || vectors.all(|c| c.is_finite()), || format!("geometry {g}: position or offset"))?;
         let Some(influences) = geometry.influences() else { continue };
         for v in 0..geometry.positions().len() {
-            let weights = &influences.weights()[influence_range(influences, v)];
+            let weights = &influences.weights()[influences.range(v)];
             let total: f64 = weights.iter().map(|&w| f64::from(w)).sum();
             ensure((total - 1.0).abs() < 1e-5, || format!("geometry {g}: vertex {v} weighs {total}"))?;
         }

@@ -10,7 +10,7 @@ use rimline_testkit::{is_long, must_fail};
 use wgpu::TextureFormat::R8Uint;
 use wgpu::TextureFormat::{self, Depth16Unorm, Depth24Plus, Depth24PlusStencil8, Depth32Float, Depth32FloatStencil8};
 
-use crate::drawn::{DepthDraw, Picture};
+use crate::drawn::{DepthDraw, Picture, float_texture};
 
 pub(crate) const TESTS: &[Test] = &[("depth_survives_the_copy", survives)];
 
@@ -31,15 +31,14 @@ const READ: &str = "
 @group(0) @binding(0) var map: TEXTURE;
 @group(0) @binding(1) var<storage, read_write> values: array<u32>;
 @compute @workgroup_size(8, 8) fn read(@builtin(global_invocation_id) id: vec3<u32>) {
-  values[id.x + 1024u * id.y] = bitcast<u32>(textureLoad(map, id.xy, LAST));
+  values[id.x + 1024u * id.y] = bitcast<u32>(textureLoad(map, id.xy, LAST).x);
 }
 ";
 
 /// The bits of the last sample of each pixel.
 fn read(gpu: &Gpu, map: &wgpu::Texture) -> Result<Vec<u32>, String> {
     let samples = map.sample_count();
-    let ty = if samples > 1 { "texture_depth_multisampled_2d" } else { "texture_depth_2d" };
-    let source = READ.replace("TEXTURE", ty).replace("LAST", &format!("{}", samples - 1));
+    let source = READ.replace("TEXTURE", float_texture(samples)).replace("LAST", &format!("{}", samples - 1));
     let kernel = Dispatch::new(gpu, &source, "read");
     let values = gpu.storage(&vec![0_u32; (SIDE * SIDE) as usize]);
     gpu.submit(|encoder| {

@@ -17,9 +17,14 @@ const COPY: &str = "
   return vec4<f32>(f32(at & 1u) * 4.0 - 1.0, f32(at >> 1u) * 4.0 - 1.0, 0.0, 1.0);
 }
 @fragment fn copied(@builtin(position) at: vec4<f32>, @builtin(sample_index) sample: u32) -> @builtin(frag_depth) f32 {
-  return textureLoad(map, vec2<i32>(at.xy), sample);
+  return textureLoad(map, vec2<i32>(at.xy), sample).x;
 }
 ";
+
+/// The type of a texture of depths that a shader loads, as floats: OpenGL loads no texels of depth textures.
+pub(crate) fn float_texture(samples: u32) -> &'static str {
+    if samples > 1 { "texture_multisampled_2d<f32>" } else { "texture_2d<f32>" }
+}
 
 /// The caller's textures.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,8 +94,8 @@ impl Picture {
         let texture = self.texture(gpu, depth_stencil, self.samples, 1);
         if has_float && !matches!(self.depth, TextureFormat::Depth32Float | TextureFormat::Depth32FloatStencil8) {
             let drawn = self.depth(gpu, encoder, world)?;
-            let ty = if self.samples > 1 { "texture_depth_multisampled_2d" } else { "texture_depth_2d" };
-            let (source, bound) = (COPY.replace("TEXTURE", ty), wgpu::BindingResource::TextureView(&drawn));
+            let source = COPY.replace("TEXTURE", float_texture(self.samples));
+            let bound = wgpu::BindingResource::TextureView(&drawn);
             let copy = DepthDraw { name: "copied", source: &source, entry_points: [None; 2], bound };
             copy.draw(gpu, encoder, &texture)?;
         } else {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use rimline::gpu::{
-    Caster, DeviceError, MaskError, MaskInputs, PositionBuffer, SceneFrame, SceneOptions, ShadowError, ShadowMasks,
+    Caster, DeviceError, MaskInputs, PositionBuffer, SceneFrame, SceneOptions, ShadowError, ShadowMasks,
 };
 use rimline::{Mesh, mesh::Weld};
 use rimline_testkit::device::Gpu;
@@ -71,7 +71,7 @@ impl Given {
         MaskInputs { depth: &self.depth, view: 0, lights: &self.encoded.lights[..3], target: &self.target }
     }
 
-    fn write(&self, frame: &SceneFrame, masks: &mut ShadowMasks, inputs: MaskInputs<'_>) -> Result<(), MaskError> {
+    fn write(&self, frame: &SceneFrame, masks: &mut ShadowMasks, inputs: MaskInputs<'_>) -> Result<(), ShadowError> {
         let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let written = frame.write_masks(&mut encoder, masks, &inputs);
         // An error in the encoder would end the test here.
@@ -97,12 +97,11 @@ fn frames() -> Result<(), String> {
     let other = given.gpu.submit(|encoder| given.world.encode(&given.gpu, encoder, SceneOptions::default()))?;
     given.encoded.scene.remove_light(given.encoded.lights[8]).map_err(text)?;
     let later = given.encoded.scene.add_light(given.world.lights[0]).map_err(text)?;
-    let shadow = |error| is(MaskError::Shadow(error));
     let (good, foreign) = (given.good(), ShadowError::OtherScene { what: "light" });
     given.refused(vec![
-        ("a view too many", MaskInputs { view: 1, ..good }, shadow(ShadowError::NoSuchView { view: 1, views: 1 })),
-        ("a later light", MaskInputs { lights: &[later], ..good }, shadow(ShadowError::NotEncoded)),
-        ("a foreign light", MaskInputs { lights: &other.lights, ..good }, shadow(foreign)),
+        ("a view too many", MaskInputs { view: 1, ..good }, is(ShadowError::NoSuchView { view: 1, views: 1 })),
+        ("a later light", MaskInputs { lights: &[later], ..good }, is(ShadowError::NotEncoded)),
+        ("a foreign light", MaskInputs { lights: &other.lights, ..good }, is(foreign)),
     ])?;
     // On a device that is another, and then lost.
     let device = &given.other_device;
@@ -114,9 +113,9 @@ fn frames() -> Result<(), String> {
     let foreign = given.write(&given.encoded.frame, theirs, good);
     device.device.destroy();
     refused([
-        refusal("an earlier frame", given.write(&stale, masks, good), shadow(ShadowError::StaleFrame)),
+        refusal("an earlier frame", given.write(&stale, masks, good), is(ShadowError::StaleFrame)),
         refusal("another device", foreign, shows(&["Device(OtherDevice {", "`ShadowMasks`"])),
-        refusal("a lost device", given.write(&lost.frame, theirs, of_lost), is(MaskError::Device(DeviceError::Lost))),
+        refusal("a lost device", given.write(&lost.frame, theirs, of_lost), is(ShadowError::Device(DeviceError::Lost))),
     ])
 }
 
@@ -133,11 +132,11 @@ fn textures() -> Result<(), String> {
         [Depth32Float, Depth24PlusStencil8, Depth16Unorm].map(|format| view(&texture(format, 1)));
     let depth = |depth| MaskInputs { depth, ..good };
     let needed = wgpu::Features::DEPTH32FLOAT_STENCIL8;
-    let no_feature = is(MaskError::Feature { format: Depth32Float, needed });
+    let no_feature = is(ShadowError::MaskFeature { format: Depth32Float, needed });
     let refused = || shows(&["Refused { what: \"the depth\""]);
     given.refused(vec![
-        ("depth that is not read", depth(&unread), is(MaskError::Depth { format: Depth24Plus })),
-        ("a colour for depth", depth(&mask), is(MaskError::Depth { format: R8Unorm })),
+        ("depth that is not read", depth(&unread), is(ShadowError::MaskDepth { format: Depth24Plus })),
+        ("a colour for depth", depth(&mask), is(ShadowError::MaskDepth { format: R8Unorm })),
         ("floats without the feature", depth(&float), no_feature),
         ("depth with its stencil", depth(&with_stencil), refused()),
         ("layers of depth", depth(&layers), refused()),
@@ -153,16 +152,16 @@ fn textures() -> Result<(), String> {
     let small = Picture { size: [8, 8], ..PICTURE }.texture(gpu, R8Uint, 1, 1);
     let all = &given.encoded.lights;
     let refused = || shows(&["Refused { what: \"the target\""]);
-    let too_many = |lights, needed, format| is(MaskError::TooManyLights { lights, needed, format, layers: 1 });
+    let too_many = |lights, needed, format| is(ShadowError::MaskLayers { lights, needed, format, layers: 1 });
     let target = |target| MaskInputs { target, ..good };
     given.refused(vec![
         ("a target of another device", target(&foreign), refused()),
         ("a target that is gone", target(&destroyed), refused()),
-        ("a format of no masks", target(&colored), is(MaskError::TargetFormat { format: Rgba8Unorm })),
+        ("a format of no masks", target(&colored), is(ShadowError::MaskFormat { format: Rgba8Unorm })),
         ("samples of a target", MaskInputs { lights: &all[..1], ..target(&sampled) }, shows(&["Target { samples: 4"])),
         ("a solid target", target(&solid), shows(&["Target { samples: 1, dimension: D3"])),
         ("a target that is not drawn", target(&unwritten), shows(&["Target {", "TEXTURE_BINDING"])),
-        ("another size", target(&small), is(MaskError::Size { target: [8, 8], depth: [16, 8] })),
+        ("another size", target(&small), is(ShadowError::MaskSize { target: [8, 8], depth: [16, 8] })),
         ("shares without layers", MaskInputs { lights: &all[..8], ..target(&shares) }, too_many(8, 8, R8Unorm)),
         ("nine lights in a byte", MaskInputs { lights: all, ..good }, too_many(9, 2, R8Uint)),
         ("words", target(&words), Expected::Taken),

@@ -195,13 +195,13 @@ fn truth(case: &Case, view: &View, classes: Classes, has_outline: impl Fn(u32) -
                 !view.is_blocked(&tracer, point, DVec2::ZERO, 1.0 - 1e-6)
             };
             // How many of the pixels around see something much nearer: a gap may be too narrow to see a line through.
-            let covered = around.iter().filter(|&&moved| view.is_blocked(&tracer, point, moved, 0.9)).count();
+            let blocked = around.iter().filter(|&&moved| view.is_blocked(&tracer, point, moved, 0.9)).count();
             // At the border nothing tells what lies beyond it.
             let is_inner = (pixel / f64::from(SIDE) - 0.5).abs().max_element() < 0.49;
-            if is_inner && covered == 0 && [0.0, further, -further].into_iter().all(is_clear) {
+            if is_inner && blocked == 0 && [0.0, further, -further].into_iter().all(is_clear) {
                 mark(&mut truth.must, pixel, 0.0);
             }
-            if covered < around.len() {
+            if blocked < around.len() {
                 mark(&mut truth.may, pixel, HALF + 1.25);
             }
         }

@@ -51,7 +51,7 @@ fn boundaries_are_seen_as_their_winding_numbers_say() -> Outcome {
             if light.to_array() == [0.0; 4] {
                 continue;
             }
-            let (found, is_general) = boundary.orientation(light.to_array());
+            let (found, is_general) = boundary.decide(light.to_array());
             let right = polygon_oracle::find(&edges, light);
             let what = format!("seed {seed}, {name}, light {of_light}: {light:?}");
             compare(found, right).map_err(|error| format!("{what}: {error}, {edges:?}"))?;
@@ -91,7 +91,7 @@ const ABOVE: Light = Light::point([0.3, 0.2, 5.0]);
 const BELOW: Light = Light::point([0.3, 0.2, -5.0]);
 
 fn seen(boundary: &Boundary, light: Light) -> Orientation {
-    boundary.orientation(light.to_array()).0
+    boundary.orientation(light)
 }
 
 /// The side that lights above and below see.
@@ -191,7 +191,7 @@ fn convex_boundaries_take_the_cheap_way() {
         let by_turns = (turns == 1).then_some(Orientation::FrontFacing);
         assert_eq!(polygon_turns(&ring, light), by_turns, "seed {seed}, {count} corners");
         let expected = if turns == 1 { (Orientation::FrontFacing, false) } else { (Orientation::Twisted, true) };
-        assert_eq!(loops(&[&ring]).orientation(light), expected, "seed {seed}, {count} corners");
+        assert_eq!(loops(&[&ring]).decide(light), expected, "seed {seed}, {count} corners");
     }
 }
 

@@ -1,16 +1,17 @@
 //! Polygons as large as the GPU takes them. llvmpipe ends an invocation's loops after 65,535 turns without a word, so
 //! these are compared with the twin. docs/numerics/loops.md.
 
-use rimline::gpu::{Extractor, ExtractorError, ExtractorOptions, MAX_BOUNDARY_EDGES};
+use rimline::gpu::{DeviceError, Extractor, ExtractorError, ExtractorOptions, MAX_BOUNDARY_EDGES};
 use rimline::internals::cpu::{self, Threads};
 use rimline::mesh::Weld;
 use rimline::{Light, Mesh};
 
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
-use rimline_testkit::on_gpu::{extract, text};
-use rimline_testkit::polygons::PolygonSet;
+use rimline_testkit::on_gpu::{extract, extract_with, limited, text};
+use rimline_testkit::polygons::{PolygonSet, quad_box};
 use rimline_testkit::random::Random;
+use rimline_testkit::refusals::{is, refusal, refused};
 use rimline_testkit::{is_long, must_fail, same};
 
 use crate::stages::check_facing;
@@ -18,6 +19,7 @@ use crate::stages::check_facing;
 pub(crate) const TESTS: &[Test] = &[
     ("boundaries_of_most_edges_and_triangles", largest),
     ("polygons_of_more_triangles_are_refused", too_many_triangles),
+    ("more_polygons_than_a_row_of_workgroups_takes", several_rows),
 ];
 
 /// The most triangles of a polygon, as `ExtractorError::PolygonTooLarge` says it.
@@ -112,4 +114,22 @@ fn too_many_triangles() -> Result<(), String> {
         Err(ExtractorError::PolygonTooLarge { polygon: 0, triangles: found }) if found == triangles => Ok(()),
         other => Err(format!("{:?}", other.err())),
     }
+}
+
+/// A workgroup of `polygon_facing` takes 256 polygons, and each polygon may be an entry, a workgroup by itself.
+fn several_rows() -> Result<(), String> {
+    let (set, lights) = (quad_box(105), [Light::point([300.0, 200.0, 40.0])]);
+    let mesh = set.mesh(Weld::Position).map_err(text)?;
+    let polygons = mesh.polygons().ok_or("no polygons")?;
+    same("polygons", &[polygons.len()], &[258 * 256 + 102])?;
+    let options = ExtractorOptions { max_lights: 1, lists: None, ..ExtractorOptions::default() };
+    let found = extract_with(&limited(1 << 27, 1 << 28, 258)?, &set.positions, &mesh, &lights, options)?;
+    let (mut masks, _) = cpu::polygon_facing(&set.positions, polygons, &lights, Threads::all());
+    check_facing(&mesh, &found, &masks)?;
+    masks[polygons.len() - 1].facing ^= 1;
+    must_fail("a bit of the last polygon", &check_facing(&mesh, &found, &masks))?;
+    let (subject, limit) = ("a mesh of so many polygons", "max_compute_workgroups_per_dimension");
+    let error = DeviceError::Limit { subject, limit, needed: 258, there: 257 };
+    let made = Extractor::new(&limited(1 << 27, 1 << 28, 257)?.pipelines, &mesh, options);
+    refused([refusal("fewer workgroups", made, is(ExtractorError::Device(error)))])
 }

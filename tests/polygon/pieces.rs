@@ -120,9 +120,7 @@ pub(crate) fn twisted(gpu: &Gpu, set: &PolygonSet, mesh: &Mesh, lights: &[Light]
         let mut by_middle = BTreeMap::<_, Vec<usize>>::new();
         for polygon in (0..polygons.len()).filter(|&polygon| !polygons.boundary(polygon).is_empty()) {
             let edges = polygons.boundary(polygon);
-            if Boundary::new(edges, &set.positions).ok_or("not finite")?.orientation(light.to_array()).0
-                == Orientation::Twisted
-            {
+            if Boundary::new(edges, &set.positions).ok_or("not finite")?.orientation(light) == Orientation::Twisted {
                 let [a, b, c, d] = [0, 1, 2, 3].map(|quarter| position(edges[quarter * edges.len() / 4][0]));
                 let middle = [0, 1, 2].map(|axis| ((a[axis] + b[axis]) + (c[axis] + d[axis])) * 0.25);
                 by_middle.entry(bits(middle)).or_default().push(polygon);

@@ -15,7 +15,7 @@ use rimline::{Cone, Displacement, Light, ModelError, Pose, ShadowCamera};
 use rimline_testkit::cases::case;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
-use rimline_testkit::on_gpu::{text, views};
+use rimline_testkit::on_gpu::{limited, text, views};
 use rimline_testkit::random::Random;
 use rimline_testkit::refusals::{is, refusal, refused};
 use rimline_testkit::{IDENTITY, is_long, must_fail, same, shapes};
@@ -29,6 +29,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("needs_of_as_many_views_as_are_looked_at", most_views),
     ("figures_walk_out_of_need_and_back", histories),
     ("a_deform_that_is_dropped_spoils_one_frame", dropped),
+    ("needs_of_more_instances_than_a_row_of_workgroups_takes", several_rows),
     ("needs_are_switched_off", off),
     ("models_that_are_displaced", displaced),
     ("occluded_faces_do_not_hold_for_models", occluded),
@@ -559,6 +560,23 @@ fn removed_mesh() -> Result<(), String> {
     }
     same("edges of the late frame", &counts[1], &counts[0])?;
     must_fail("no edges", &same("no edges", &counts[0], &vec![0; counts[0].len()]))
+}
+
+/// An instance without a state is computed in each frame.
+fn several_rows() -> Result<(), String> {
+    let gpu = limited(1 << 27, 1 << 28, 2)?;
+    let crowd = Crowd::new(130)?;
+    let pose = crowd.pose(&crowd.walkers(&mut Random::new(4961)))?;
+    let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options()).map_err(text)?;
+    scene.add_light(Light::directional([0.4, 1.0, 0.1])).map_err(text)?;
+    scene.insert_model(&crowd.model, &pose, DeformerOptions::default()).map_err(text)?;
+    let mut pairs = Vec::new();
+    for _ in 0..2 {
+        let frame = gpu.submit(|encoder| scene.encode(encoder, FrameInputs::default()).map_err(text))?;
+        let statistics = gpu.read::<SceneStatistics>(frame.statistics(), 1)?[0];
+        pairs.push([statistics.pairs, statistics.cached_pairs]);
+    }
+    same("pairs, and cached ones", &pairs, &[[130, 0], [130, 130]])
 }
 
 /// Calls that instances refuse, and poses that do not fit.

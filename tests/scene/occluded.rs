@@ -264,9 +264,9 @@ fn most_tried() -> Result<(), String> {
         let mut bodies: Vec<Body> = xs.map(|x| Body { mesh: 2, rows: flat(x) }).collect();
         bodies.push(Body { mesh: 1, rows: ball });
         let mut stage = Stage::new(gpu, &bodies, &lights, true)?;
-        let (hidden, sheets) = stage.casters.split_last().ok_or("no caster")?;
+        let (occluded, sheets) = stage.casters.split_last().ok_or("no caster")?;
         sheets.iter().try_for_each(|&sheet| stage.scene.set_occluders(sheet, &[&octagon])).map_err(text)?;
-        stage.scene.set_occluders(*hidden, &[]).map_err(text)?;
+        stage.scene.set_occluders(*occluded, &[]).map_err(text)?;
         let (frame, found) = stage.encode(gpu)?;
         let indices: Option<Vec<_>> = stage.casters.iter().map(|&caster| frame.locate(caster)).collect();
         let indices = indices.ok_or("no caster")?;

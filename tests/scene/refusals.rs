@@ -1,8 +1,8 @@
 //! Typed errors for input that a scene refuses.
 
 use rimline::gpu::{
-    Caster, CasterPositions, DeviceError, ExtractorError, FrameInputs, LightMask, MAX_BOUNDARY_EDGES, MeshHandle,
-    PositionBuffer, Scene, SceneOptions, ShadowError, StencilCounts,
+    Caster, CasterPositions, DeformError, DeformerOptions, DeviceError, ExtractorError, FrameInputs, LightMask,
+    MAX_BOUNDARY_EDGES, MeshHandle, PositionBuffer, Scene, SceneOptions, ShadowError, StencilCounts,
 };
 use rimline::{DepthDirection, Light, LightError, Mesh, ShadowCamera, mesh::Weld};
 use rimline_testkit::IDENTITY;
@@ -10,9 +10,11 @@ use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::{limited, text};
 use rimline_testkit::polygons::{PolygonSet, quad_box};
+use rimline_testkit::random::Random;
 use rimline_testkit::refusals::{Expected, is, refusal, refused, shows};
 use rimline_testkit::shapes;
 
+use crate::crowd::Crowd;
 use crate::random_scene::encoder;
 
 pub(crate) const TESTS: &[Test] = &[
@@ -21,6 +23,9 @@ pub(crate) const TESTS: &[Test] = &[
     ("what_does_not_fit_the_memory_is_a_typed_error", memory),
     ("what_fits_a_new_scene_fits_one_that_grew", grown),
     ("removed_meshes_of_polygons_give_their_memory_back", given_back),
+    ("a_removed_mesh_takes_memory_until_the_next_encode", held),
+    ("a_removed_model_takes_memory_until_the_next_encode", held_positions),
+    ("more_views_or_groups_than_the_device_allows_are_typed_errors", too_many),
     ("buffers_that_are_destroyed_between_encodes_are_typed_errors", destroyed),
 ];
 
@@ -135,10 +140,14 @@ fn encoded(gpu: &Gpu, scene: &mut Scene, count: usize) -> Result<Result<(), Shad
     gpu.submit(|encoder| Ok(scene.encode(encoder, FrameInputs::new(&views(count))).map(drop)))
 }
 
+/// The error of a memory limit.
+fn beyond(limit: u64) -> Expected {
+    shows(&["Device(MemoryLimit", &format!("limit: {limit}")])
+}
+
 /// A limit refuses a page, results and views, and what fits is taken afterwards. Bindings refuse meshes and views.
 fn memory() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    let beyond = |limit: u64| shows(&["Device(MemoryLimit", &format!("limit: {limit}")]);
     let (positions, mesh) = cube()?;
     // Statistics take memory without content, too.
     let none = encoded(gpu, &mut scene(gpu, Some(0))?, 0)?;
@@ -168,9 +177,13 @@ fn memory() -> Result<(), String> {
     let stencil = StencilCounts { count_batches: u32::MAX, ..StencilCounts::default() };
     let mut batches =
         Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions { stencil, ..Default::default() }).map_err(text)?;
+    let without_lights = encoded(gpu, &mut batches, 1)?;
     batches.add_light(LIGHT).map_err(text)?;
     let table = shows(&["Device(BindingTooLarge { what: \"shadow draw lights\""]);
-    refused([refusal("batches of casters", encoded(gpu, &mut batches, 1)?, table)])?;
+    refused([
+        refusal("batches without lights, at once", without_lights, Expected::Taken),
+        refusal("batches of casters", encoded(gpu, &mut batches, 1)?, table),
+    ])?;
     // A mesh that one binding does not hold.
     let tight = limited(1 << 16, 1 << 20, 65_535)?;
     let shape = shapes::torus(60, 60, 1.0, 0.4);
@@ -224,6 +237,102 @@ fn given_back() -> Result<(), String> {
     }
     let all = boxes.iter().try_for_each(|(mesh, positions)| together.add_mesh(mesh, positions).map(drop));
     refused([refusal("all at once", all, shows(&["Device(MemoryLimit"]))])
+}
+
+/// A beginning within as little memory as can be, and that memory. Each step says how much it needs; a little more covers
+/// rounding to whole words.
+fn begun<T>(begin: impl Fn(u64) -> Result<Result<T, ShadowError>, String>) -> Result<(T, u64), String> {
+    let mut limit = 0;
+    loop {
+        match begin(limit)? {
+            Ok(begun) => return Ok((begun, limit)),
+            Err(
+                ShadowError::Device(DeviceError::MemoryLimit { bytes, .. })
+                | ShadowError::Deform(DeformError::Device(DeviceError::MemoryLimit { bytes, .. })),
+            ) => limit = bytes + 1000,
+            Err(error) => return Err(error.to_string()),
+        }
+    }
+}
+
+/// The steps of the last encode bind the page of the mesh.
+fn held() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let set = quad_box(24);
+    let mesh = set.mesh(Weld::Position).map_err(text)?;
+    let ((mut scene, of_box, caster), limit) = begun(|limit| {
+        let mut scene = scene(gpu, Some(limit))?;
+        scene.add_light(LIGHT).map_err(text)?;
+        let of_box = match scene.add_mesh(&mesh, &set.positions) {
+            Ok(of_box) => of_box,
+            Err(error) => return Ok(Err(error)),
+        };
+        let caster = scene.insert(Caster::rigid(of_box, IDENTITY)).map_err(text)?;
+        Ok(encoded(gpu, &mut scene, 0)?.map(|()| (scene, of_box, caster)))
+    })?;
+    scene.remove(caster).map_err(text)?;
+    scene.remove_mesh(of_box).map_err(text)?;
+    refused([
+        refusal("beside it", scene.add_mesh(&mesh, &set.positions), beyond(limit)),
+        refusal("an encode", encoded(gpu, &mut scene, 0)?, Expected::Taken),
+        refusal("in its stead", scene.add_mesh(&mesh, &set.positions), Expected::Taken),
+    ])
+}
+
+/// They bind the positions of a model, too.
+fn held_positions() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let crowd = Crowd::new(1)?;
+    let pose = crowd.pose(&crowd.walkers(&mut Random::new(4962)))?;
+    let insert = |scene: &mut Scene| scene.insert_model(&crowd.model, &pose, DeformerOptions::default());
+    let ((mut scene, model), limit) = begun(|limit| {
+        let mut scene = scene(gpu, Some(limit))?;
+        scene.add_light(LIGHT).map_err(text)?;
+        let model = match insert(&mut scene) {
+            Ok(model) => model,
+            Err(error) => return Ok(Err(error)),
+        };
+        Ok(encoded(gpu, &mut scene, 0)?.map(|()| (scene, model)))
+    })?;
+    scene.remove_model(model).map_err(text)?;
+    refused([
+        refusal("beside it", insert(&mut scene), beyond(limit)),
+        refusal("an encode", encoded(gpu, &mut scene, 0)?, Expected::Taken),
+        refusal("in its stead", insert(&mut scene), Expected::Taken),
+    ])
+}
+
+fn too_many() -> Result<(), String> {
+    let needs = |subject, needed, there| {
+        let limit = "max_compute_workgroups_per_dimension";
+        is(ShadowError::Device(DeviceError::Limit { subject, limit, needed, there }))
+    };
+    let seen = |workgroups, views| {
+        let gpu = limited(1 << 27, 1 << 28, workgroups)?;
+        let mut scene = scene(&gpu, None)?;
+        let cube = add_cube(&mut scene)?;
+        scene.insert(Caster::rigid(cube, IDENTITY)).map_err(text)?;
+        scene.add_light(LIGHT).map_err(text)?;
+        encoded(&gpu, &mut scene, views)
+    };
+    refused([
+        refusal("without a view", seen(16, 0)?, Expected::Taken),
+        refusal("volumes", seen(16, 1)?, needs("drawing shadow volumes or outlines", 32, 16)),
+        refusal("as many views", seen(32, 32)?, Expected::Taken),
+        refusal("a view more", seen(32, 33)?, needs("an encode of so many views", 33, 32)),
+    ])?;
+    // Each caster with a buffer of its own is a group, with a uniform of 256 bytes.
+    let gpu = limited(1 << 16, 1 << 16, 65_535)?;
+    let (rest, _) = cube()?;
+    let mut scene = scene(&gpu, None)?;
+    let cube = add_cube(&mut scene)?;
+    scene.add_light(LIGHT).map_err(text)?;
+    for _ in 0..257 {
+        let positions = PositionBuffer { buffer: &gpu.storage(&rest), offset: 0, stride: 12 };
+        scene.insert(Caster::in_buffer(cube, positions)).map_err(text)?;
+    }
+    let groups = shows(&["Device(BufferTooLarge { label: \"scene dispatches\", bytes: 65792"]);
+    refused([refusal("groups", encoded(&gpu, &mut scene, 0)?, groups)])
 }
 
 /// The layout of the scene stays, and its steps bind a buffer that is gone.

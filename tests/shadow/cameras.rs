@@ -3,14 +3,14 @@
 use glam::{DQuat, DVec3, Vec3};
 use rimline::{Counting, DepthDirection, Light};
 use rimline_testkit::device::Gpu;
+use rimline_testkit::frame_classes::CLASSES;
+use rimline_testkit::frames::{Body, Eye, Frame, Rays, vector};
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, shapes};
 
-use crate::classes::CLASSES;
 use crate::compare::Compared;
 use crate::rays::{Tracer, Truth};
 use crate::render::{Counted, Placing, Renderer};
-use crate::scene::{Body, Eye, Frame, Rays, vector};
 use crate::trials::{Test, Traced, every, seed};
 
 pub(crate) const TESTS: &[Test] = &[

@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use crate::hairlines::Hairlines;
 use crate::rays::{Between, Truth};
-use crate::scene::Frame;
+use rimline_testkit::frames::Frame;
 use rimline_testkit::same;
 
 /// Pixels of a frame that are looked at one by one.

@@ -4,13 +4,13 @@ use glam::DVec3;
 use rimline::internals::shadow::CAST_NOTHING;
 use rimline::{Counting, DepthDirection, Light};
 use rimline_testkit::device::Gpu;
+use rimline_testkit::frames::{Body, CENTRE, Eye, Frame, SAMPLES, vector};
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, must_fail, same, shapes};
 
 use crate::compare::Compared;
 use crate::rays::Truth;
 use crate::render::{Counted, Placing, Renderer};
-use crate::scene::{Body, CENTRE, Eye, Frame, SAMPLES, vector};
 use crate::trials::{RIGHT, Test, Traced, every};
 
 pub(crate) const TESTS: &[Test] =

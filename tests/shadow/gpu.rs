@@ -2,7 +2,6 @@
 //! fail; they are never passed over.
 
 mod cameras;
-mod classes;
 mod compare;
 mod culled;
 mod hairlines;
@@ -22,8 +21,6 @@ mod receivers;
 mod refusals;
 mod render;
 mod samples;
-mod scene;
-mod shells;
 mod thousands;
 mod trials;
 mod twisted;
@@ -31,9 +28,8 @@ mod vertices;
 mod zp_plus_2005;
 
 use libtest_mimic::{Failed, Trial};
+use rimline_testkit::frame_classes::CLASSES;
 use rimline_testkit::harness;
-
-use crate::classes::CLASSES;
 
 fn main() {
     let right = |class: &'static _| move || trials::right(class).map_err(Failed::from);

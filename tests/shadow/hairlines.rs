@@ -8,9 +8,9 @@ use rimline::Counting;
 
 use crate::rays::{Tracer, Truth};
 use crate::render::Renderer;
-use crate::scene::{Frame, Rays, SAMPLES};
 use crate::trials::{Test, Traced, class, every};
 use rimline_testkit::device::Gpu;
+use rimline_testkit::frames::{Frame, Rays, SAMPLES};
 use rimline_testkit::oracle;
 
 pub(crate) const TESTS: &[Test] = &[("hairlines_explain_nothing_else", controls)];

@@ -10,12 +10,12 @@ use rimline::internals::shadow::CAST_BACK_FACING;
 use rimline::mesh::Weld;
 use rimline::{Counting, Light, Matrix3x4, Mesh, ShadowCamera};
 
-use crate::classes::CLASSES;
 use crate::compare::Compared;
 use crate::render::{Counted, Placing, Renderer};
-use crate::scene::{Body, Eye, Frame, vector};
 use crate::trials::{RIGHT, Tally, Test, Traced, every, rotated, seed};
 use rimline_testkit::device::Gpu;
+use rimline_testkit::frame_classes::CLASSES;
+use rimline_testkit::frames::{Body, Eye, Frame, vector};
 use rimline_testkit::is_long;
 use rimline_testkit::on_gpu::{text, views};
 use rimline_testkit::random::Random;

@@ -4,15 +4,15 @@ use glam::{DVec3, Vec3};
 use rimline::Counting;
 use rimline::gpu::{Capacities, Measuring, SceneOptions};
 use rimline_testkit::device::Gpu;
+use rimline_testkit::frame_classes::CLASSES;
+use rimline_testkit::frames::{Body, Eye};
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, made_anew, must_fail, same, shapes};
 
-use crate::classes::CLASSES;
 use crate::culled::behind_walls;
 use crate::range::in_range;
 use crate::rays::Truth;
 use crate::render::{Counted, Levels, Placing, Renderer};
-use crate::scene::{Body, Eye};
 use crate::trials::{Test, Traced, every};
 
 pub(crate) const TESTS: &[Test] =

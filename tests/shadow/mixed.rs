@@ -11,11 +11,11 @@ use rimline_testkit::shapes::{self, Shape};
 use rimline_testkit::{made_anew, must_fail, same};
 use wgpu::TextureFormat;
 
-use crate::classes::CLASSES;
 use crate::rays::{self, Truth};
 use crate::render::{Beside, Counted, Placing, Renderer};
-use crate::scene::{Body, CENTRE, Eye, Frame};
 use crate::trials::Test;
+use rimline_testkit::frame_classes::CLASSES;
+use rimline_testkit::frames::{Body, CENTRE, Eye, Frame};
 use rimline_testkit::textures;
 
 pub(crate) const TESTS: &[Test] =

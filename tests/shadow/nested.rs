@@ -7,11 +7,11 @@ use rimline::{Counting, Light};
 use rimline_testkit::shapes::{self, Shape};
 
 use crate::render::{Placing, Renderer};
-use crate::scene::{Body, Eye, Frame};
-use crate::shells::{component, nested, somewhere};
 use crate::trials::{RIGHT, Test, Traced};
 use rimline_testkit::device::Gpu;
+use rimline_testkit::frames::{Body, Eye, Frame};
 use rimline_testkit::is_long;
+use rimline_testkit::shells::{component, nested, somewhere};
 
 pub(crate) const TESTS: &[Test] = &[("lights_on_a_surface", on_surface), ("lights_next_to_a_surface", off_surface)];
 

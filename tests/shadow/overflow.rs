@@ -4,9 +4,9 @@ use rimline::Counting;
 use rimline::gpu::Capacities;
 use rimline::internals::shadow::CAST_EVERY;
 use rimline_testkit::device::Gpu;
+use rimline_testkit::frame_classes::CLASSES;
 use rimline_testkit::{must_fail, same};
 
-use crate::classes::CLASSES;
 use crate::render::{Placing, Renderer};
 use crate::trials::{Test, Traced, rotated};
 

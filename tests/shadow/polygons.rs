@@ -8,6 +8,7 @@ use rimline::Light;
 use rimline::gpu::{Capacities, Measuring};
 use rimline::mesh::Weld;
 use rimline_testkit::device::Gpu;
+use rimline_testkit::frames::{Body, CENTRE, Eye, Frame, Rays, vector};
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::polygons::{PolygonSet, folded_polygon, quad_torus, random_polygon};
 use rimline_testkit::random::Random;
@@ -18,7 +19,6 @@ use rimline_testkit::{is_long, must_fail};
 use crate::hairlines::{HALF_STEP, picture};
 use crate::in_scene::movable;
 use crate::render::{Placing, Renderer};
-use crate::scene::{Body, CENTRE, Eye, Frame, Rays, vector};
 use crate::trials::{RIGHT, Test, rotated};
 
 pub(crate) const TESTS: &[Test] = &[("polygons_darken_what_is_behind_them", darken)];

@@ -3,11 +3,11 @@
 use glam::{DVec3, Vec3};
 use rimline::{Counting, Light};
 use rimline_testkit::device::Gpu;
+use rimline_testkit::frames::{Body, Eye, Frame, vector};
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, must_fail, same, shapes};
 
 use crate::render::{Placing, Renderer};
-use crate::scene::{Body, Eye, Frame, vector};
 use crate::trials::{RIGHT, Test, Traced};
 
 pub(crate) const TESTS: &[Test] = &[

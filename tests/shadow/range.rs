@@ -4,11 +4,11 @@ use glam::DVec3;
 use rimline::gpu::SceneOptions;
 use rimline::{Counting, Light};
 
-use crate::classes::{CLASSES, Class};
 use crate::rays::{self, Truth};
 use crate::render::Renderer;
 use crate::trials::{Test, Traced};
 use rimline_testkit::device::Gpu;
+use rimline_testkit::frame_classes::{CLASSES, Class};
 use rimline_testkit::random::Random;
 use rimline_testkit::{is_long, made_anew, must_fail};
 

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use glam::{DVec2, DVec3};
 use rimline::Light;
 
-use crate::scene::{Frame, Rays};
+use rimline_testkit::frames::{Frame, Rays};
 use rimline_testkit::oracle;
 
 pub(crate) type Triangle = rimline_testkit::rays::Triangle<Face>;

@@ -10,8 +10,8 @@ use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
 use rimline_testkit::{must_fail, same, shapes};
 
-use crate::scene::{Eye, vector};
 use crate::trials::Test;
+use rimline_testkit::frames::{Eye, vector};
 use rimline_testkit::textures::sampled;
 
 pub(crate) const TESTS: &[Test] =

@@ -10,9 +10,9 @@ use rimline::{Counting, DepthDirection, Light, Mesh};
 use rimline_testkit::{OneCaster, OneFrame, made_anew};
 
 use crate::in_scene::InScene;
-use crate::scene::{Body, Frame, Placed};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::dispatch::uniform;
+use rimline_testkit::frames::{Body, Frame, Placed};
 use rimline_testkit::on_gpu::{chosen, shadow_statistics, text};
 use rimline_testkit::passes::{self, CLEARED, depth_pass};
 use rimline_testkit::pipelines::{self, Drawing};

@@ -2,13 +2,13 @@
 
 use rimline::Counting;
 
-use crate::classes::CLASSES;
 use crate::compare::Compared;
 use crate::rays::Truth;
 use crate::render::Renderer;
-use crate::scene::SAMPLES;
 use crate::trials::{Test, Traced, every};
 use rimline_testkit::device::Gpu;
+use rimline_testkit::frame_classes::CLASSES;
+use rimline_testkit::frames::SAMPLES;
 use rimline_testkit::is_long;
 
 pub(crate) const TESTS: &[Test] = &[("four_samples_a_pixel", four)];

@@ -10,9 +10,9 @@ use rimline::internals::layout::{ShadowDraws, ShadowLight, ShadowStatistics, Ste
 use rimline::internals::shadow::{CAST_EVERY, CAST_NOTHING, COUNT_Z_FAIL};
 use rimline::{Counting, Light, Matrix3x4};
 
-use crate::scene::Eye;
 use crate::trials::Test;
 use rimline_testkit::device::Gpu;
+use rimline_testkit::frames::Eye;
 use rimline_testkit::goldens::golden;
 use rimline_testkit::on_gpu::{chosen, draws, interleaved, one_caster, shadow_statistics, text, views};
 use rimline_testkit::random::Random;

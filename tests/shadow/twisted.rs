@@ -7,6 +7,7 @@ use rimline::gpu::{Capacities, PositionBuffer, SceneOptions};
 use rimline::mesh::Weld;
 use rimline::{Counting, Light, Mesh};
 use rimline_testkit::device::Gpu;
+use rimline_testkit::frames::{Body, Eye, Frame};
 use rimline_testkit::goldens::golden;
 use rimline_testkit::on_gpu::{shadow_statistics, text};
 use rimline_testkit::polygons::PolygonSet;
@@ -16,7 +17,6 @@ use rimline_testkit::{OneCaster, made_anew, same};
 
 use crate::polygons::{Compared, Rig, Truth};
 use crate::render::Renderer;
-use crate::scene::{Body, Eye, Frame};
 use crate::trials::Test;
 
 pub(crate) const TESTS: &[Test] =

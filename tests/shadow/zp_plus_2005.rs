@@ -7,11 +7,11 @@ use rimline::internals::cpu::{self, Threads};
 use rimline::internals::shadow::{CAST_NOTHING, COUNT_Z_FAIL, COUNT_ZP_PLUS_2005};
 use rimline::{Counting, DepthDirection, Mesh, Predicate};
 
-use crate::classes::CLASSES;
 use crate::render::Renderer;
-use crate::scene::Placed;
 use crate::trials::{Test, seed};
 use rimline_testkit::device::Gpu;
+use rimline_testkit::frame_classes::CLASSES;
+use rimline_testkit::frames::Placed;
 use rimline_testkit::is_long;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;

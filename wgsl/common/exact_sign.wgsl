@@ -1,14 +1,14 @@
-// The exact sign of det[b - a, c - a, l - w a], for a face (a, b, c) and a homogeneous light (l, w), the same on every
-// device. It uses integers, because no compiler can round, fuse or flush them. For signs that f32 leaves undecided
-// (common/determinant.wgsl). `exact_sign` takes all finite f32; it is rare and slow, so its code is short. Fixed point is
-// faster, but takes only numbers whose bits lie in a window. Callers compute `fixed_face` once for a face, then `fixed_sign`
-// for each light, and call `exact_sign` if it returns 2. Callers must reject faces that are not finite. `exact_facing`, the
-// stages of exact_shadow_depth.wgsl and, by polygon/corner_turn.wgsl, the stages of polygons use both. Claim:
-// docs/numerics/facing.md, "Exact facing".
+// Finds the exact sign of det[b - a, c - a, l - w a], for a face (a, b, c) and a homogeneous light (l, w). Callers need it
+// where f32 leaves the sign undecided (common/determinant.wgsl). It is the same on every device, because no compiler can
+// round, fuse or flush integers. `exact_sign` takes all finite f32. It is slow and seldom called, so its code is short, not
+// fast. Fixed point (`fixed_sign`) is faster, but takes only numbers whose bits lie in a window. Callers compute `fixed_face`
+// once for a face, then `fixed_sign` for each light, and call `exact_sign` if it returns 2. They must reject faces that are
+// not finite. `exact_facing`, the stages of exact_shadow_depth.wgsl and, by polygon/corner_turn.wgsl, the stages of polygons
+// do so; polygon/cut_edges.wgsl also uses the windows of bits. Claim: docs/numerics/facing.md, "Exact facing".
 
 const DIGIT: u32 = 0xffffffu; // The bits of a digit.
 // A sum, as digits of 24 bits, the lowest first, in units of 2^-596. All are zero before and after `exact_sign`. 48 of them
-// hold every sum of products of four finite f32; the loop reads four more.
+// hold the sum for any finite f32. The loop over them reads four at once, so it may read more.
 var<private> digits: array<i32, 52>;
 
 // The 48-bit product of two digits, as two digits.
@@ -22,7 +22,7 @@ fn multiply(a: u32, b: u32) -> vec2<u32> {
   return vec2<u32>(low & DIGIT, a_high * b_high + (middle >> 12u) + (low >> 24u));
 }
 
-// The product of three digits and one, as four digits.
+// The product of a number of three digits and one of one digit, as four digits.
 fn multiply_three(a: vec3<u32>, b: u32) -> vec4<u32> {
   let low = multiply(a.x, b);
   let middle = multiply(a.y, b);
@@ -33,8 +33,8 @@ fn multiply_three(a: vec3<u32>, b: u32) -> vec4<u32> {
 }
 
 // Adds the product of four floats, given as bits, to `digits`; subtracts it if bit 31 of `sign` is set. Returns the index of
-// the lowest digit that may change; the next four may change, too. It has no loop, because some software GPUs end all loops
-// of an invocation after 2^16 iterations (docs/numerics/loops.md).
+// the lowest digit that may change; the next four may change, too. It has no loop, because llvmpipe ends all loops of an
+// invocation after 65,535 turns (docs/numerics/loops.md).
 fn add_product(bits: vec4<u32>, sign: u32) -> u32 {
   let exponents = (bits >> vec4<u32>(23u)) & vec4<u32>(0xffu);
   let implied = select(vec4<u32>(0u), vec4<u32>(0x800000u), exponents != vec4<u32>(0u));
@@ -59,7 +59,7 @@ fn add_product(bits: vec4<u32>, sign: u32) -> u32 {
   return lowest_digit;
 }
 
-// The carry out of a digit, and the bits of it and all lower digits, ORed.
+// The carry out of a digit, and this digit and all lower ones, ORed after their carries.
 struct CarryState {
   carry: i32,
   any_bit: i32,
@@ -110,9 +110,10 @@ fn exact_sign(a: vec3<u32>, b: vec3<u32>, c: vec3<u32>, light: vec4<u32>) -> i32
   return select(0, 1, state.carry > 0 || state.any_bit != 0);
 }
 
-// Fixed point. Integers have limbs of 12 bits, each in an i32.
+// Fixed point. Products are of integers in limbs of 12 bits, each in an i32.
 
-// The largest number of bits from the lowest to the highest set bit of a face's nine coordinates, and of l and w a.
+// The most bits from the lowest to the highest set bit that fixed point takes: of a face's nine coordinates, and of l and
+// w a.
 const FACE_BITS: i32 = 46;
 const LIGHT_BITS: i32 = 48;
 const EXPONENT_LIMIT: i32 = 4096; // An exponent above all others.
@@ -121,7 +122,7 @@ const EXPONENT_LIMIT: i32 = 4096; // An exponent above all others.
 struct FloatParts {
   mantissa: vec3<u32>,
   exponent: vec3<i32>,
-  length: vec3<i32>, // The largest number of bits of the mantissa.
+  length: vec3<i32>, // Bits of the mantissa; of a subnormal number, or 0, there may be fewer.
   sign: vec3<i32>, // 0, or -1 if the number is negative.
 }
 
@@ -149,15 +150,16 @@ fn bit_window_of(n: FloatParts) -> vec2<i32> { return bit_window(n.mantissa == v
 
 fn hull(a: vec2<i32>, b: vec2<i32>) -> vec2<i32> { return vec2<i32>(min(a.x, b.x), max(a.y, b.y)); }
 
-// Three integers, each of two digits of 24 bits. The high digit has the sign.
+// Three integers, each of two digits of 24 bits. Both digits of a negative integer are negative, or 0.
 struct TwoDigits {
   low: vec3<i32>,
   high: vec3<i32>,
 }
 
-// Three integers given as digits, shifted up by `shift_up` bits.
+// Three integers given as digits, shifted up by `shift_up` bits. `sign` is -1 to negate them, else 0. The result, without
+// sign, must be below 2^48.
 fn shifted_digits(low: vec3<u32>, high: vec3<u32>, shift_up: vec3<i32>, sign: vec3<i32>) -> TwoDigits {
-  // Zeros may have any exponent, so the shift is clamped.
+  // Zeros may have any exponent, and callers ignore the result if numbers do not fit, so the shift is clamped.
   let up = vec3<u32>(clamp(shift_up, vec3<i32>(0), vec3<i32>(47)));
   let is_high = up >= vec3<u32>(24u);
   let shift = select(up, up - 24u, is_high);
@@ -166,7 +168,7 @@ fn shifted_digits(low: vec3<u32>, high: vec3<u32>, shift_up: vec3<i32>, sign: ve
   return TwoDigits((vec3<i32>(select(first, vec3<u32>(0u), is_high)) ^ sign) - sign, (vec3<i32>(second) ^ sign) - sign);
 }
 
-// The limbs of a low digit, then those of a high digit.
+// The limbs of a low digit without sign, then those of a high digit with the sign.
 fn limbs(low: i32, high: i32) -> vec4<i32> { return vec4<i32>(low & 0xfff, low >> 12u, high & 0xfff, high >> 12u); }
 
 // Three integers of four limbs of 12 bits, the lowest first. The last limb has the sign.
@@ -184,7 +186,7 @@ fn difference(p: TwoDigits, q: TwoDigits) -> Limbs {
   return Limbs(limbs(digit.x, high.x), limbs(digit.y, high.y), limbs(digit.z, high.z));
 }
 
-// Eight columns of limbs, the lowest first.
+// Eight columns, the lowest first. A column has the weight of a limb, but may be larger until it is carried.
 struct Columns {
   low: vec4<i32>,
   high: vec4<i32>,
@@ -225,9 +227,10 @@ fn normal_limbs(first: Columns, second: Columns) -> Columns {
 // A face's values for all lights. If `fits` is false, the other members have no meaning.
 struct FixedFace {
   fits: bool,
-  // The exponent of the unit of u = b - a and v = c - a. Their cross product is (x, y, z).
+  // u = b - a and v = c - a are in units of 2^(lowest - 149).
   lowest: i32,
   a: FloatParts,
+  // The cross product of u and v.
   x: Columns,
   y: Columns,
   z: Columns,
@@ -259,7 +262,7 @@ fn fixed_face(a_bits: vec3<u32>, b_bits: vec3<u32>, c_bits: vec3<u32>) -> FixedF
   );
 }
 
-// x: the carry out of four columns; y: their bits below the carries, ORed.
+// Carries four columns. x: the carry out of them. y: not 0 if any of them is not 0 after the carries.
 fn carry_columns(columns: vec4<i32>, carry: i32) -> vec2<i32> {
   let x = columns.x + carry;
   let y = columns.y + (x >> 12u);
@@ -268,7 +271,7 @@ fn carry_columns(columns: vec4<i32>, carry: i32) -> vec2<i32> {
   return vec2<i32>(w >> 12u, (x | y | z | w) & 0xfff);
 }
 
-// A determinant: twelve columns of 12 bits before carries, the lowest first, in units of 2^(exponent - 447).
+// A determinant: twelve columns that are not carried, the lowest first, in units of 2^(exponent - 447).
 struct FixedSum {
   fits: bool,
   first: vec4<i32>,

@@ -55,7 +55,7 @@ struct DrawShape {
 // The bits of an edge record, one for each light of a batch.
 struct EdgeMasks {
   silhouette: u32,
-  winding: u32, // Face 0 faces the light. If only face 1 counts: the bit that face 0 would have (edges.wgsl).
+  winding: u32, // Face 0 faces the light. If face 0 is twisted: the bit of face 1 for the direction of face 0.
 }
 
 // A binding that is only read cannot hold atomics.

@@ -1,10 +1,10 @@
 // Deform: computes the positions of deforming instances for a frame: morph targets, skin, the caller's displacement, from
-// mesh space to world space. Dispatched when the caller records a deformer, before all stages that read positions. A
-// workgroup has up to 256 vertices of one instance, an invocation each. It reads `rest`, `morph`, `skin` and the pose that
-// the CPU uploads. It writes `positions`, three floats a vertex, for extraction, scenes, shadow volumes, queries and the
-// caller's draws. All vertices of an instance that `needs` culled become (0, 0, 0), so that nothing of it is drawn. Sums
-// have the order of src/cpu/deform; rounding may differ between devices. Later stages read the positions as written, so
-// silhouettes always close. docs/numerics/deform.md, "Deform".
+// mesh space to world space. Dispatched when the caller records a `Deformer` or a scene with models, before all stages that
+// read positions. A workgroup has up to 256 vertices of one instance, an invocation each. It reads `rest`, `morph`, `skin`,
+// `source_vertices` and the pose. It writes `positions`, three floats a vertex, for all later stages and the caller's draws.
+// All vertices of an instance that `needs` culled become (0, 0, 0), so that nothing of it is drawn. Sums have the order of
+// src/cpu/deform; rounding may differ between devices. Later stages read the positions as written, so silhouettes always
+// close. docs/numerics/deform.md, "Deform".
 
 #if DISPLACED
 #else
@@ -13,12 +13,13 @@
 
 // A dispatch of the deform stage.
 struct DeformDispatch {
-  // The word in `pose` where a word for each workgroup begins: the word of its chunk.
+  // The word in `pose` from which on each workgroup of the dispatch has a word: that at which its chunk begins.
   workgroups: u32,
   // 0: do not call `displace`.
   displaced: u32,
+  // The time for `displace`, in seconds.
   time: f32,
-  // Instances of the model.
+  // The number of instances of the model.
   instances: u32,
 }
 
@@ -26,52 +27,57 @@ struct DeformDispatch {
 struct DeformChunk {
   // The index of its first workgroup in the dispatch.
   first_workgroup: u32,
-  // Vertices.
+  // The number of its vertices.
   count: u32,
-  // The words of the first vertex in `rest`, `morph`, `skin`, `source_vertices` and `positions`.
+  // The words at which it begins in `rest`, `morph`, `skin`, `source_vertices` and `positions`.
   rest: u32,
   morph: u32,
   skin: u32,
   sources: u32,
   positions: u32,
-  // The word in `pose` where the matrices begin (12 words each, three rows of four). The word where the active morph targets
-  // begin (two words each, index and weight), and the number of these targets.
+  // The word in `pose` where the matrices begin (12 words each, three rows of four). The word where the active morph targets,
+  // those with a weight other than 0, begin (two words each, index and weight), and their number.
   palette: u32,
   targets: u32,
   target_count: u32,
   // 0: all vertices follow the first matrix of the palette.
   skinned: u32,
   // The word in `pose` that is 1 if the positions of the instance are all (0, 0, 0), because it was culled before. The word
-  // `dispatch.instances` words behind it is 1 if it is culled now.
+  // `dispatch.instances` words later is 1 if it is culled now.
   before: u32,
 }
 
 @group(0) @binding(0) var<uniform> dispatch: DeformDispatch;
 @group(0) @binding(1) var<storage, read> rest: array<f32>;
-// For each chunk three words for each vertex, target by target.
+// For each chunk and each morph target the displacements of the vertices, three words each.
 @group(0) @binding(2) var<storage, read> morph: array<f32>;
-// For each chunk first the offset of each vertex's influences, and one more; then joint and weight of each influence.
+// For each chunk first the index of each vertex's first influence, and the number of all; then joint and weight of each
+// influence.
 @group(0) @binding(3) var<storage, read> skin: array<u32>;
-// In this order: chunks; a word for each instance, 1 if its positions are all (0, 0, 0); another, 1 if it is culled;
-// matrices and morph weights; for each workgroup the word of its chunk.
+// In this order: chunks; a word for each instance, 1 if its positions are all (0, 0, 0); another, 1 if it is culled; for each
+// instance matrices and active morph targets; for each workgroup the word at which its chunk begins. The CPU uploads it, but
+// for the words of instances, which are copied on the GPU.
 @group(0) @binding(4) var<storage, read> pose: array<u32>;
+// For each vertex the index of its source vertex, before welding, for `displace`.
 @group(0) @binding(5) var<storage, read> source_vertices: array<u32>;
 @group(0) @binding(6) var<storage, read_write> positions: array<f32>;
 
 // The chunk of this workgroup.
 var<private> chunk: DeformChunk;
 
-// Loads a chunk from the pose.
+// Loads the chunk that begins at a word of the pose.
 fn load_chunk(word: u32) {
   chunk = DeformChunk(
     pose[word], pose[word + 1u], pose[word + 2u], pose[word + 3u], pose[word + 4u], pose[word + 5u], pose[word + 6u],
     pose[word + 7u], pose[word + 8u], pose[word + 9u], pose[word + 10u], pose[word + 11u]);
 }
 
+// The row of a matrix that begins at a word of the pose.
 fn pose_row(word: u32) -> vec4<f32> {
   return bitcast<vec4<f32>>(vec4<u32>(pose[word], pose[word + 1u], pose[word + 2u], pose[word + 3u]));
 }
 
+// A coordinate of a transformed position.
 fn transform_row(row: vec4<f32>, p: vec3<f32>) -> f32 {
   return row.x * p.x + row.y * p.y + row.z * p.z + row.w;
 }
@@ -95,7 +101,7 @@ fn deform(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation
   }
   let word = chunk.positions + 3u * vertex;
   if (pose[chunk.before + dispatch.instances] == 1u) {
-    // The positions of an instance that was culled before are (0, 0, 0) already.
+    // If the instance was culled before, its positions are (0, 0, 0) already.
     if (pose[chunk.before] != 1u) {
       positions[word] = 0.0;
       positions[word + 1u] = 0.0;
@@ -118,7 +124,7 @@ fn deform(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation
     p = vec3<f32>(0.0);
     let first = skin[chunk.skin + vertex];
     let end = skin[chunk.skin + vertex + 1u];
-    // DEFORM_TERMS (src/turns.rs) bounds the iterations of both loops together: targets and influences.
+    // DEFORM_TERMS (src/turns.rs) bounds the turns of both loops together, so this loop adds none to those stated above.
     // Turns: 0.
     for (var index = first; index < end; index++) {
       let influence = chunk.skin + chunk.count + 1u + 2u * index;

@@ -1,13 +1,14 @@
 // Stage `contour_walls`: walks along the contours of each tile, fits segments to their crossings, and lists a wall over each
-// segment. A wall is a quadrilateral along rays of the light, from the nearer surface to the farther one. It lists flaps,
-// too: they join the top of a wall to samples of the nearer surface. After `contour_crossings`, in three passes.
+// segment. A wall is a quadrilateral along rays of the light, from the nearer surface to the farther one. The stage lists
+// flaps, too: they join the top of a wall, its end nearer to the light, to samples of the nearer surface. Where walls are
+// counted and listed, flaps are among them. After `contour_crossings`, in three passes.
 // `contour_walls_trace` counts walls: a workgroup for up to two listed tiles, an invocation for four cells, by the dispatch
 // that `contour_tiles` wrote. `contour_walls_scan`, one workgroup, scans the counts. `contour_walls_trace` with LISTS
 // lists. Reads depths, `marks`, tiles, `crossings`. Writes `walls` and `draws`, and for the near cap `counts` and moved
 // `crossings`.
 // Walls are in order of tiles, invocations, cells and edges, the same on every device. Each marked edge is crossed by one
-// wall, no other edge by any. Ends of segments do not depend on the direction of a walk, so walls close where they meet
-// (docs/numerics/contours.md, "Closed walls").
+// wall, no other edge by any. The positions and distances of a node do not depend on the direction of a walk, so walls close
+// where they meet (docs/numerics/contours.md, "Closed walls").
 
 #import depth_map/contour
 #import depth_map/contour_rim
@@ -17,8 +18,8 @@
 // Crossings, from `contour_crossings`. The listing pass moves those between the ends of a segment onto it, after its walk
 // has read them. Within a tile only one invocation has an edge, but edges of two tiles may share a word.
 @group(0) @binding(3) var<storage, read_write> crossings: array<atomic<u32>>;
-// Four parts (contour_tiles.wgsl): for each index of the list of tiles the count of its walls, then the index of its first
-// wall; for each index the counts of its WALKERS invocations; the list of tiles; its length.
+// Four parts (contour_tiles.wgsl): for each index of the list of tiles the count of its walls, which the scan replaces by
+// the index of its first wall; for each index the counts of its WALKERS invocations; the list of tiles; its length.
 @group(0) @binding(5) var<storage, read_write> counts: array<u32>;
 // The number of walls and three words of 0. Then 12 words a wall: four vertices of x and y on the lattice, in 1/256 texel,
 // and a distance.
@@ -32,13 +33,13 @@ override LISTS: bool = false;
 // Cells of an invocation, and of a tile.
 const WALKER_CELLS: u32 = 4u;
 const TILE_CELLS: u32 = 256u;
-// Nodes that a segment may have. A power of two.
+// Nodes that a segment may have, with its ends. A power of two.
 const WINDOW: u32 = 32u;
 // Nodes beyond the longest segment so far that are tried as its end.
 const TRIES: u32 = 8u;
 
-// The nearer surface goes away from the light by at least so many times its slope for a texel, up to the wall. A steep side
-// of a body, narrower than a texel, has no sample.
+// From its last sample to the wall, the nearer surface goes away from the light by at least so many times the last
+// difference of its distances. A steep side of a body, narrower than a texel, has no sample.
 const STEEP: i32 = 4;
 
 // A way out of a cell over one of its edges: 0 top, 1 right, 2 bottom, 3 left.
@@ -104,7 +105,7 @@ fn end_rank(cell: vec2<i32>, edge: u32, is_of_junction: bool) -> u32 {
   return ((cell_in_tile.y * u32(TILE) + cell_in_tile.x) * 4u + edge) * 2u + select(0u, 1u, is_of_junction);
 }
 
-// The result of `find_walk_end` if there is no loop to find.
+// The result of `find_walk_end` if it looks for a loop and finds none.
 const NO_RANK: u32 = 0xffffffffu;
 
 // Walks to the next tile border or junction, and returns the rank of that end; 0 for a loop. With `finds_loop` it returns 0
@@ -134,7 +135,8 @@ fn find_walk_end(start: CellExit, finds_loop: bool) -> u32 {
   return 0u;
 }
 
-// Bits of corners of a cell, with those of neighbours over an edge that is not marked. They are of the same surface.
+// A set of corners of a cell, a bit each, with their neighbours over edges that are not marked, which are of the same
+// surface.
 fn add_connected_corners(corners: u32, edge_code: u32) -> u32 {
   let after = ((corners & ~edge_code) << 1u) & 15u;
   let first = select(0u, 1u, (corners & ~edge_code & 8u) != 0u);
@@ -220,7 +222,7 @@ fn add_node(count: u32, kind: u32, exit: CellExit) {
     nearer_without_steep = select(nearer_without_steep, distance, iteration < 2u && is_right == is_right_nearer);
     surfaces[u32(is_right)] = distance;
   }
-  // The nearer surface ends before the other one.
+  // At the wall the nearer surface is not behind the other one.
   let nearer = u32(is_right_nearer);
   surfaces[nearer] = min(surfaces[nearer], surfaces[1u - nearer]);
   node_points[index] = vec4<i32>(left * TEXEL + left_to_right * offset_from_left, surfaces);
@@ -330,7 +332,8 @@ fn add_segment_walls(last: u32) {
   // distance, then at b.
   var range_a = vec2<i32>(a.z, a.z);
   var range_b = vec2<i32>(b.z, b.z);
-  // More than one only where a walk ends in a junction: at both ends of 32 walks that the lanes begin together.
+  // More than one only where a walk ends in a junction: for two tiles, at both ends of 16 walks of each lane, which lanes
+  // begin together.
   // Turns: TILE_NODES + 5 * 64 in all.
   for (var index = 0u; index < 6u; index++) {
     let is_first = index == 0u;
@@ -455,30 +458,30 @@ fn trace_walk_once(cell: vec2<i32>, edge: u32) {
   let start_exit = CellExit(cell, edge);
   let is_from_junction = is_junction(cell);
   let other_exit = CellExit(cell, countTrailingZeros(edge_code & ~(1u << edge)) & 3u);
-  // A contour that passes through the cell begins at the tile's border, or is a loop.
-  let is_loop = !is_from_junction && !is_on_tile_border(start_exit);
+  // In a cell that is no junction a walk begins at the tile's border, or it may be a loop.
+  let may_be_loop = !is_from_junction && !is_on_tile_border(start_exit);
   var first = other_exit;
-  if (is_from_junction || is_loop) {
+  if (is_from_junction || may_be_loop) {
     first = start_exit;
   }
-  let end = find_walk_end(first, is_loop);
+  let end = find_walk_end(first, may_be_loop);
   let begin = end_rank(cell, edge, is_from_junction);
   // Invocations find a walk from both ends; it is traced from the end of lower rank. A walk from a junction to the tile's
   // border over one edge is traced from the junction.
   let ends_at_start_edge = is_from_junction && end + 1u == begin;
-  if (select(begin <= end || ends_at_start_edge, end == 0u, is_loop)) {
+  if (select(begin <= end || ends_at_start_edge, end == 0u, may_be_loop)) {
     var kind = NODE_JUNCTION_START;
     var start = start_exit;
     if (!is_from_junction) {
       kind = NODE_EDGE;
     }
-    if (is_loop) {
+    if (may_be_loop) {
       first = next_exit(start_exit);
     } else if (!is_from_junction) {
       // The same edge, as the exit of the neighbour into this cell.
       start = CellExit(cell + step_across(edge), (edge + 2u) & 3u);
     }
-    trace_walk(kind, start, first, is_loop);
+    trace_walk(kind, start, first, may_be_loop);
   }
 }
 
@@ -558,7 +561,7 @@ fn contour_walls_scan(@builtin(local_invocation_index) lane: u32) {
   // The last invocation has the sum over all tiles.
   if (lane == SCAN_LANES - 1u) {
     walls[0] = walls_before;
-    // A list that overflowed is not read: triangles of all cells are drawn instead.
+    // Walls of a list that overflowed are not drawn, but the triangles of all cells.
     let overflows = walls_before > contour.capacity;
     draws[0] = 6u * select(walls_before, 0u, overflows);
     draws[1] = 1u;

@@ -9,7 +9,7 @@
 #import depth_map/samples
 
 // Stage `depth_metric`: makes a depth map of distances to a light, as ray marching and range images have them. Dispatched by
-// `DepthMapConversion::encode`. Reads distances and `metric_view`. Writes a texture of `r32float` with device depths of the
+// `DepthMapTexture::convert`. Reads distances and `metric_view`. Writes a texture of `r32float` with device depths of the
 // light's camera.
 // It computes in floats. `metric_steps` in src/gpu/depth_map/metric.rs bounds their error, and the bias of draws includes
 // it. Keep the operations of `distance_key` and their order: docs/numerics/depth-maps.md, "Maps of distances", derives the
@@ -101,7 +101,7 @@ fn depth_metric(
 }
 
 // Stage `depth_merge`: takes for each texel the nearer of two depths, of two maps that one camera of a light made.
-// Dispatched by `DepthMapMerge::encode`. Reads both maps, of any depth format. Writes a texture of `r32float` with the depth
+// Dispatched by `DepthMapTexture::merge`. Reads both maps, of any depth format. Writes a texture of `r32float` with the depth
 // of the smaller key, and the far end where nothing casts in either map.
 // Keys are integers, so the choice is exact, and a texel of the result has the key that it was made from.
 

@@ -1,13 +1,13 @@
 // Stage `depth_walls`: draws walls and flaps over contours into the caller's stencil bit, in place of the triangles of
 // `depth_surface`. A contour is where a surface ends before another as the light sees it. A wall stands over it along rays
-// of the light. A flap joins the top of a wall to samples of the nearer surface. Cells, edges, tiles, corners and distances
-// are those of contour.wgsl, the lattice that of samples.wgsl. A distance is a device depth in units, not a length.
-// `DepthMapFrame::draw` draws both, by the indirect draw of `contour_walls`: six vertices a quadrilateral. Depth is tested
-// and not written. Here the binding `cells` of surface.wgsl is the list of walls and flaps. Then
-// `depth_walls_near_cap_fragment`, with the vertex shader `depth_near_cap`, inverts the bit where the near rectangle is
-// in shadow: the eye's near plane in the picture. The near cap must agree with what is drawn. The surface on a point's
-// side of the contour says whether the point is in shadow. An odd number of flap triangles there that say otherwise
-// inverts the answer. If the list overflowed, triangles of cells are drawn and looked up instead.
+// of the light. A flap joins the top of a wall, its end nearer to the light, to samples of the nearer surface. Cells, edges,
+// tiles, corners and distances are those of contour.wgsl, the lattice that of samples.wgsl. A distance counts units of
+// device depth; it is no length. `DepthMapFrame::draw` draws walls and flaps by the indirect draw of `contour_walls`: six
+// vertices a quadrilateral. Depth is tested and not written. Here the binding `cells` of surface.wgsl is the list of both.
+// Then the near cap is drawn, by `depth_near_cap` and `depth_walls_near_cap_fragment`: it inverts the bit where the near
+// rectangle, the part of the eye's near plane in the picture, is in shadow. It must agree with the walls and flaps. The
+// surface on a point's side of the contour says whether the point is in shadow. An odd number of flap triangles there that
+// say otherwise inverts the answer. If the list overflowed, triangles of cells are drawn and looked up instead.
 // docs/numerics/contours.md, "Heights".
 
 #import depth_map/contour
@@ -35,7 +35,7 @@ fn depth_walls(@builtin(vertex_index) index: u32) -> SurfaceVertex {
   return SurfaceVertex(view.across * centred.x + view.down * centred.y + view.depth * depth + view.middle);
 }
 
-// Whether a point in a cell that a contour crosses is in shadow of the surface on its side: farther from the light than it.
+// Whether a point in a cell that a contour crosses is farther from the light than the surface on its side of the contour.
 // `edge_code` has a bit for each marked edge of the cell (contour_rim.wgsl).
 fn is_behind_contour(point: NearPoint, cell: vec2<i32>, edge_code: u32) -> bool {
   let distance = contour_distance(cell, edge_code, point.lattice - floor(point.lattice));
@@ -51,17 +51,16 @@ fn is_behind_contour(point: NearPoint, cell: vec2<i32>, edge_code: u32) -> bool 
   return is_behind_depth(point.depth, dot(views[0].infinity.xyz, vec3<f32>(centred, 1.0)));
 }
 
-// Whether a point of the near rectangle, x and y from -1 to 1, is in shadow: behind the surface in its direction, which ends
-// at contours, unless flaps change that.
+// Whether a point of the near rectangle, x and y from -1 to 1, is in shadow: behind the surface that goes on to the contour
+// in its direction, unless flaps change that.
 fn is_behind_contours(near_position: vec2<f32>) -> bool {
   let point = locate_near_point(near_position);
   // A list of walls that overflowed is not drawn. With contours Rust sets `depth_map.capacity` to `contour.capacity`.
   if (!point.is_inside || cells[0] > depth_map.capacity) {
     return point.is_inside && is_behind_triangle(point);
   }
-  // The cell's first sample.
-  let corner = floor(point.lattice);
-  let cell = vec2<i32>(corner);
+  let first_sample = floor(point.lattice);
+  let cell = vec2<i32>(first_sample);
   let edge_code = load_edge_code(cell);
   var is_behind = false;
   if (edge_code == 0u) {
@@ -69,7 +68,7 @@ fn is_behind_contours(near_position: vec2<f32>) -> bool {
   } else {
     is_behind = is_behind_contour(point, cell, edge_code);
   }
-  return is_behind != flaps_change(cell, point.lattice - corner, point.depth, is_behind);
+  return is_behind != flaps_change(cell, point.lattice - first_sample, point.depth, is_behind);
 }
 
 @fragment
@@ -79,14 +78,14 @@ fn depth_walls_near_cap_fragment(@location(0) @interpolate(linear, sample) near_
   }
 }
 
-// Functions for flaps. Between the last samples of a surface and a wall, shadow begins at the flap, not where the surface
-// goes on.
+// Functions for flaps. Between the last samples of a surface and a wall, shadow begins at the flap, not at the surface as
+// it goes on from these samples.
 
 // From `contour_walls`: for each index of the list of tiles the index of that tile's first wall. The list of tiles and its
 // length follow at offsets that contour_tiles.wgsl describes.
 @group(0) @binding(7) var<storage, read> counts: array<u32>;
 
-// Flaps extend up to so many texels from their wall.
+// Flaps extend less than so many texels from their wall, which lies in its tile.
 const FLAP_LENGTH: i32 = 2;
 
 // Whether the segment between two points crosses the ray from the origin to the right. Their order does not matter. Rows go
@@ -105,8 +104,8 @@ struct FlapVertex {
   depth: i32,
 }
 
-// A vertex, 0 to 3, of a quadrilateral of the list, relative to the point at `fraction` of a texel from a cell's first
-// sample.
+// A vertex, 0 to 3, of the wall or flap at index `quad` of the list, relative to the point at `fraction` of a texel from a
+// cell's first sample.
 fn flap_vertex(quad: u32, vertex: u32, cell: vec2<i32>, fraction: vec2<f32>) -> FlapVertex {
   let offset = 4u + 12u * quad + 3u * vertex;
   let from_cell = vec2<i32>(vec2<u32>(cells[offset], cells[offset + 1u])) - cell * TEXEL;
@@ -134,8 +133,8 @@ fn box_meets_cell(quad: u32, cell: vec2<i32>) -> bool {
   return all(from_cell.xy <= vec2<i32>(TEXEL)) && all(from_cell.zw >= vec2<i32>(0));
 }
 
-// Whether a triangle of a flap covers the origin and contradicts `is_behind`, which says whether the point there is behind
-// the boundary. Triangles of walls have no area, so they cover nothing.
+// Whether a triangle of a flap covers the origin, where the point is, and contradicts `is_behind`. `depth`: the device depth
+// of the point. Triangles of walls have no area, so they cover nothing.
 fn triangle_changes(a: FlapVertex, b: FlapVertex, c: FlapVertex, depth: f32, is_behind: bool) -> bool {
   // An even number of sides crosses the ray: the origin is outside.
   if ((crosses_ray(a.position, b.position) != crosses_ray(b.position, c.position)) == crosses_ray(c.position, a.position)) {

@@ -1,8 +1,8 @@
-// Edge masks and lists of a single mesh, for `edges` and `per_edge`. (Scenes have their own in edges.wgsl.) Reads the facing
-// masks, which may span up to four bindings. Writes masks of edge records, appends silhouettes to the lists of the lights in
-// no particular order, or does both. The count of a full list still grows, so that `arguments` and readers notice the
-// overflow. Bit 31 of an entry is the winding: the facing bit of face 0, or the bit that it would have if it were not
-// twisted.
+// Edge masks and lists of a single mesh, for `edges` and `per_edge`. (Scenes have their own in edges.wgsl.) For `edges` it
+// reads the facing masks, which may span up to four bindings. Writes masks of edge records, appends silhouettes to the lists
+// of the lights in no particular order, or does both. The count of a full list still grows, so that `arguments` and readers
+// notice the overflow. Bit 31 of an entry is the winding: the facing bit of face 0 or, if face 0 is twisted, that of face 1
+// for the direction of face 0.
 
 #import common/extraction
 #import extract/one_caster
@@ -11,7 +11,8 @@
 @group(0) @binding(3) var<storage, read> facing_1: array<u32>;
 @group(0) @binding(4) var<storage, read> facing_2: array<u32>;
 @group(0) @binding(5) var<storage, read> facing_3: array<u32>;
-// Words in each binding but the last. 0: the first binding has all. For polygons twisted masks follow the facing masks.
+// Words in each binding but the last. 0: the first binding has all. For polygons twisted masks follow the facing masks, and
+// edges.wgsl reads them here, too.
 override FACING_WINDOW_WORDS: u32 = 0u;
 
 fn facing_mask(face: u32) -> u32 {
@@ -27,13 +28,17 @@ fn facing_mask(face: u32) -> u32 {
   }
 }
 
+// From the first record of `chunk` on.
 @group(0) @binding(7) var<storage, read_write> masks: array<EdgeMasks>;
+// For each light of all batches the number of its silhouette edges.
 @group(0) @binding(8) var<storage, read_write> counts: array<atomic<u32>>;
+// The lists of the batch, each with room for `chunk.capacity` entries.
 @group(0) @binding(9) var<storage, read_write> list: array<u32>;
 override WRITE_MASKS: bool = true; // Whether to write masks.
 override APPEND: bool = true; // Whether to append silhouettes to lists. If not, `compact` may make lists in edge order.
 
-// Writes the masks of an edge record of `chunk`, and appends it to lists. It has no barrier: invocations may have ended.
+// Writes the masks of an edge record, an index counted from the first of `chunk`, and appends it to the lists of the lights
+// in `silhouette`. It has no barrier: invocations may have ended.
 fn emit(edge: u32, silhouette: u32, winding: u32) {
   if (WRITE_MASKS) {
     masks[edge] = EdgeMasks(silhouette, winding);

@@ -68,7 +68,7 @@ fn process_item(slot: u32, index: u32) {
 }
 
 // The masks of a record whose faces may be twisted. A twisted face counts as absent. If one face remains, the record is its
-// boundary, and the winding is the bit that face 0 would have. If none remains, the record is no silhouette.
+// boundary, and the winding is that face's bit for the direction of face 0. If none remains, the record is no silhouette.
 fn masks_beside_twisted(faces: vec2<u32>) -> EdgeMasks {
   let first = faces.x & ~INCONSISTENT;
   let is_present_0 = active_bits() & ~facing_mask(TWISTED_OFFSET + first);

@@ -127,13 +127,9 @@ fn convex_quad(boundary: PolygonBoundary) -> Convex {
   return convex;
 }
 
-// `chunk.count` is the number of polygons.
-@compute @workgroup_size(256)
-fn polygon_facing(@builtin(global_invocation_id) id: vec3<u32>) {
-  if (id.x >= chunk.count) {
-    return;
-  }
-  let boundary = boundary_of(id.x);
+// Decides polygon `polygon`, or makes a record of it.
+fn decide_polygon(polygon: u32) {
+  let boundary = boundary_of(polygon);
   // The polygon walks each edge both ways. It has no triangles, so no masks, and no edge record names it.
   if (boundary.count == 0u) {
     return;
@@ -149,12 +145,22 @@ fn polygon_facing(@builtin(global_invocation_id) id: vec3<u32>) {
   if ((active_bits() & ~(convex.facing | convex.back_facing)) != 0u) {
     // There is room for a record of every polygon. `polygon_turns` writes the other words.
     let record_index = atomicAdd(&undecided[RECORD_COUNT], 1u);
-    atomicStore(&undecided[record_offset(record_index) + POLYGON], id.x);
+    atomicStore(&undecided[record_offset(record_index) + POLYGON], polygon);
     // `polygon_turns` has an invocation a record. Its workgroups lie in rows (x) of at most ENTRY_ROW; y is the number of
     // rows. The reset wrote 1 to z.
     let workgroup = record_index / BOUNDARY_LANES;
     atomicMax(&undecided[RECORD_WORKGROUPS], min(workgroup + 1u, ENTRY_ROW));
     atomicMax(&undecided[RECORD_WORKGROUPS + 1u], workgroup / ENTRY_ROW + 1u);
+  }
+}
+
+// `chunk.count` is the number of polygons. An invocation takes several only where the device does not allow one for each.
+@compute @workgroup_size(256)
+fn polygon_facing(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+  let row = 256u * groups.x;
+  // Turns: 1.
+  for (var polygon = row * id.y + id.x; polygon < chunk.count; polygon += row * groups.y) {
+    decide_polygon(polygon);
   }
 }
 

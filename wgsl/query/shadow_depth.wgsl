@@ -1,11 +1,12 @@
-// Shadow depth: computes occluder counts, the number of faces strictly between each point and light. Runs after
-// `shadow_boxes` for each range of points and clusters, batch of up to 32 lights and range of faces; an invocation a pair of
-// point and light. It counts faces that f32 decides within its error bounds in `depths`, which the caller reads. Up to three
-// others are stored for `exact_shadow_depth`, which runs next. A pair with more counts nothing of this range; it is listed,
-// in any order, for `depth_arguments` and `exact_shadow_depth_recount`. Counts are exact, the same on every device and on
-// the CPU, so bounds must not shrink. The triangles of a polygon follow each other and count 1 and -1 alternately: an odd
-// number counts once. Ranges run one after another. A polygon that continues after a range passes on its parity, in `state`,
-// or in `face_0` if the pair was listed. A point that is not finite has the count -1. Claim: docs/numerics/query.md.
+// Stage `shadow_depth`: computes occluder counts, the number of faces strictly between each point and light. Dispatched
+// after `shadow_boxes` for each range of points, batch of up to 32 lights and range of clusters; an invocation a pair of
+// point and light. It adds the faces that f32 decides within its error bounds to `depths`, the counts that the caller reads.
+// Up to three others are stored for `exact_shadow_depth`, which runs next. A pair with more counts nothing of this range; it
+// is listed, in any order, for `depth_arguments` and `exact_shadow_depth_recount`. Counts are exact, the same on every
+// device and on the CPU, so bounds must not shrink. The triangles of a polygon follow each other and count 1 and -1
+// alternately: an odd number counts once. Ranges of clusters run one after another. A polygon that continues after a range
+// passes on its parity, in `state`, or in `face_0` if the pair was listed. A point that is not finite has the count -1.
+// Claim: docs/numerics/query.md.
 
 #import common/determinant
 #import common/positions
@@ -13,7 +14,7 @@
 #import query/shadow_pairs
 #import query/shadow_segments
 
-// The number of undecided faces, the face indices of the first three, and those of their polygons.
+// The number of undecided faces so far, the face indices of the first three, and those of their polygons (`polygon_of`).
 var<private> undecided: u32;
 var<private> undecided_faces: vec3<u32>;
 var<private> undecided_polygons: vec3<u32>;
@@ -24,14 +25,15 @@ var<private> is_undecided_odd: vec3<bool>;
 var<private> current_polygon: u32;
 var<private> is_current_odd: bool;
 
-// Makes the polygon of a face the current one.
+// Makes the polygon of a face the current one. If it was another, no triangle of it lies between so far.
 fn enter_polygon(face: u32) {
   let polygon = polygon_of(face);
   is_current_odd = is_current_odd && polygon == current_polygon;
   current_polygon = polygon;
 }
 
-// Stores an undecided face, with the parity of its polygon's decided triangles up to here.
+// Stores an undecided face, with the parity of its polygon's decided triangles up to here. After the third, faces are only
+// counted.
 fn store_undecided(face: u32) {
   let is_next_slot = vec3<bool>(undecided == 0u, undecided == 1u, undecided == 2u);
   undecided_faces = select(undecided_faces, vec3<u32>(face), is_next_slot);
@@ -115,7 +117,7 @@ fn count_range(segment: Segment) -> i32 {
   return count;
 }
 
-// Lists a pair whose faces must all be decided again.
+// Lists a pair for which all faces of the range must be decided again.
 fn list_pair(pair: u32) {
   let index = atomicAdd(&undecided_pairs.listed, 1u);
   undecided_pairs.pairs[index].recount = pair;

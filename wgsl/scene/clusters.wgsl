@@ -108,11 +108,11 @@ fn process_cluster(chunk: u32, index: u32) {
     ((decision.facing ^ before.facing) & active_mask) == 0u;
   let end = min(chunk + CLUSTER_CHUNKS, (face_range.x + face_range.y + CHUNK - 1u) / CHUNK);
   // Turns: CLUSTER_CHUNKS.
-  for (var covered_chunk = chunk; covered_chunk < end; covered_chunk++) {
+  for (var cluster_chunk = chunk; cluster_chunk < end; cluster_chunk++) {
     if (is_known) {
-      atomicAdd(&statistics.untested_faces, select(0u, face_count(covered_chunk), active_mask != 0u));
+      atomicAdd(&statistics.untested_faces, select(0u, face_count(cluster_chunk), active_mask != 0u));
     } else {
-      list_face_chunk(covered_chunk, decision);
+      list_face_chunk(cluster_chunk, decision);
     }
   }
 }

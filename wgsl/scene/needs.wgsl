@@ -63,9 +63,12 @@ fn is_needed(caster: u32) -> bool {
   return false;
 }
 
+// An invocation takes several casters only where the device does not allow one for each.
 @compute @workgroup_size(64)
-fn needs(@builtin(global_invocation_id) id: vec3<u32>) {
-  if (id.x < frame.casters) {
-    needed_states[id.x] = select(1u, 2u, is_needed(id.x));
+fn needs(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+  let row = 64u * groups.x;
+  // Turns: 1.
+  for (var caster = row * id.y + id.x; caster < frame.casters; caster += row * groups.y) {
+    needed_states[caster] = select(1u, 2u, is_needed(caster));
   }
 }

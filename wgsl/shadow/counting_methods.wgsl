@@ -73,6 +73,8 @@ fn is_outside_pyramid(view: ShadowView, light: ShadowLight, low: vec3<f32>, high
   return any(outside) || outside_near;
 }
 
+const LARGEST_HEIGHT: f32 = 3.4028234663852886e38; // The largest f32.
+
 // `ShadowLight::frustum_near`, for ZP+ as published. Nothing of the caster lies before the near end of the frustum. For a
 // point light it is the distance of the caster over that of the farthest point of the near rectangle. For a light at
 // infinity it is the height of the caster over the near plane.
@@ -81,16 +83,18 @@ fn frustum_near_end(view: ShadowView, light: ShadowLight, scale: f32, low: vec3<
     let light_position = to_camera_frame(view, light.light.xyz / light.light.w);
     let farthest = vector_length(max(abs(view.near_min - light_position), abs(view.near_max - light_position)));
     // Above 0 for lights in the box, which the paper does not treat: else nothing would be clipped at the near plane. Below
-    // 1 for casters beyond the near rectangle, of which nothing is in the frustum.
-    return clamp(scale * distance_lower_bound(light, low, high) / farthest, 0.001, 0.99);
+    // 1 for casters beyond the near rectangle, of which nothing is in the frustum. The least where overflow gives no number.
+    let share = scale * distance_lower_bound(light, low, high) / farthest;
+    let is_number = (bitcast<u32>(share) & 0x7fffffffu) <= 0x7f800000u;
+    return select(0.001, clamp(share, 0.001, 0.99), is_number);
   }
   var highest = 0.0;
   for (var index = 0u; index < 8u; index++) {
     let position = box_corner(low, high, index);
     let height = dot_3(view.near_plane.xyz, to_camera_frame(view, position)) + view.near_plane.w;
-    highest = max(
-      highest,
-      light_side(light) * height + SLACK * height_terms(view, abs(to_camera_frame(view, position))));
+    let above = light_side(light) * height + SLACK * height_terms(view, abs(to_camera_frame(view, position)));
+    // A height that overflows may be any.
+    highest = select(LARGEST_HEIGHT, max(highest, above), is_finite(vec3<f32>(above)));
   }
   return select(1.0, highest, highest > 0.0);
 }
@@ -152,78 +156,82 @@ fn choose_by_box(
   return light;
 }
 
-// Counts cached choices in the statistics. The offsets are those of the caster's choices and measures.
-fn count_cached_choices(choices_offset: u32, light_mask: u32, measures_offset: u32) {
-  if ((atomicLoad(&choices[choices_offset + CHOICE_CASTS]) & light_mask) == 0u) {
+// Where `choices` has those of a caster for a light and a view.
+struct ChoiceWords {
+  choices_offset: u32, // The caster's words.
+  group_offset: u32, // The words of the first caster of its group.
+  measures_offset: u32,
+  light_mask: u32, // The light's bit of each word.
+}
+
+fn choice_words(caster: u32, light_index: u32, view_index: u32) -> ChoiceWords {
+  let batch = light_index / 32u;
+  return ChoiceWords(
+    CHOICE_WORDS * choice_index(caster, batch, view_index),
+    CHOICE_WORDS * choice_index(first_caster_of_group(caster), batch, view_index),
+    CHOICE_WORDS * shape.views * shape.batches * shape.casters + 2u * measure_index(caster, light_index, view_index),
+    1u << (light_index % 32u));
+}
+
+// Clears earlier choices. A caster that did not cast has none.
+fn clear_choices(words: ChoiceWords) {
+  if ((atomicLoad(&choices[words.choices_offset + CHOICE_CASTS]) & words.light_mask) == 0u) {
+    return;
+  }
+  // Turns: 8.
+  for (var word = CHOICE_CASTS; word <= CHOICE_EXCLUDES; word++) {
+    atomicAnd(&choices[words.choices_offset + word], ~words.light_mask);
+  }
+}
+
+// Counts cached choices in the statistics.
+fn count_cached_choices(words: ChoiceWords) {
+  if ((atomicLoad(&choices[words.choices_offset + CHOICE_CASTS]) & words.light_mask) == 0u) {
     atomicAdd(&shadow_statistics.skipped, 1u);
     return;
   }
-  if ((atomicLoad(&choices[choices_offset + CHOICE_EVERY_FACE]) & light_mask) != 0u) {
+  if ((atomicLoad(&choices[words.choices_offset + CHOICE_EVERY_FACE]) & words.light_mask) != 0u) {
     atomicAdd(&shadow_statistics.every_face, 1u);
   }
-  if (has_measures() && bitcast<f32>(atomicLoad(&choices[measures_offset])) > 0.0) {
+  if (has_measures() && bitcast<f32>(atomicLoad(&choices[words.measures_offset])) > 0.0) {
     atomicAdd(&shadow_statistics.ended, 1u);
   }
 }
 
-// Chooses for a caster, a light and a view, and writes the choices.
-fn choose_for_light(caster: u32, light_index: u32, view_index: u32) {
-  let choices_offset = CHOICE_WORDS * choice_index(caster, light_index / 32u, view_index);
-  let light_mask = 1u << (light_index % 32u);
-  let measures_offset = CHOICE_WORDS * shape.views * shape.batches * shape.casters +
-    2u * measure_index(caster, light_index, view_index);
-  let group_offset = CHOICE_WORDS * choice_index(first_caster_of_group(caster), light_index / 32u, view_index);
-  let is_dirty = (atomicLoad(&choices[group_offset + CHOICE_DIRTY]) & light_mask) != 0u;
-  let entry = view_index * shape.lights + light_index;
-  // Entries of unused views are zeros, and so are those of lights that the view leaves out.
-  let is_in_view = view_lights[entry].view.near_w != 0.0;
-  // Clears earlier choices. A caster that did not cast has none.
-  if ((is_dirty || !is_in_view) && (atomicLoad(&choices[choices_offset + CHOICE_CASTS]) & light_mask) != 0u) {
-    // Turns: 8.
-    for (var word = CHOICE_CASTS; word <= CHOICE_EXCLUDES; word++) {
-      atomicAnd(&choices[choices_offset + word], ~light_mask);
-    }
-  }
-  if (!is_in_view || (relevant_lights[light_index / 32u * shape.casters + caster] & light_mask) == 0u) {
-    return;
-  }
-  let flags = caster_flags(caster);
-  let bounding_box = caster_box(caster);
-  let is_excluding = (flags & EXCLUDES) != 0u;
-  if (!is_dirty) {
-    count_cached_choices(choices_offset, light_mask, measures_offset);
-    return;
-  }
+// The light with the choices for a caster with a finite face. `entry`: the light and view in `view_lights`. Receivers may
+// cull the volume, or end it.
+fn chosen_light(caster: u32, light_index: u32, entry: u32, bounding_box: CasterBox, has_twisted: bool) -> ShadowLight {
   let view = view_for_caster(caster, view_lights[entry].view);
   let scale = bitcast<f32>(caster_part(caster, 3u).w);
   let receivers_offset = view_lights[entry].version.y;
-  var light = light_for_caster(caster, view_lights[entry].light, light_index);
-  light.casting = CAST_NOTHING;
-  if (!bounding_box.is_empty) {
-    light = choose_by_box(
-      view,
-      light,
-      scale,
-      flags,
-      bounding_box.low,
-      bounding_box.high,
-      bounding_box.has_holes,
-      has_twisted_polygon(caster, light_index));
-    if (light.casting != CAST_NOTHING && receivers_offset != 0u &&
-      is_volume_without_receivers(view, light, scale, bounding_box.low, bounding_box.high, receivers_offset)) {
-      light.casting = CAST_NOTHING;
-      atomicAdd(&shadow_statistics.culled_by_receivers, 1u);
-    }
+  var light = choose_by_box(
+    view,
+    light_for_caster(caster, view_lights[entry].light, light_index),
+    scale,
+    caster_flags(caster),
+    bounding_box.low,
+    bounding_box.high,
+    bounding_box.has_holes,
+    has_twisted);
+  if (light.casting == CAST_NOTHING || receivers_offset == 0u) {
+    return light;
   }
-  if (light.casting == CAST_NOTHING) {
-    atomicAdd(&shadow_statistics.skipped, 1u);
-    return;
-  }
-  if (receivers_offset != 0u && (light.counting == COUNT_Z_PASS || light.counting == COUNT_Z_FAIL)) {
+  if (is_volume_without_receivers(view, light, scale, bounding_box.low, bounding_box.high, receivers_offset)) {
+    light.casting = CAST_NOTHING;
+    atomicAdd(&shadow_statistics.culled_by_receivers, 1u);
+  } else if (light.counting == COUNT_Z_PASS || light.counting == COUNT_Z_FAIL) {
     light.end = max(
       light.end,
       end_behind_receivers(view, light, scale, bounding_box.low, bounding_box.high, receivers_offset));
   }
+  return light;
+}
+
+// Writes and counts the choices for a caster that casts. `does_exclude`: it has excluded faces, also if the light lies in
+// the plane of none.
+fn write_choices(words: ChoiceWords, light: ShadowLight, does_exclude: bool, has_twisted: bool) {
+  let choices_offset = words.choices_offset;
+  let light_mask = words.light_mask;
   if (light.end > 0.0) {
     atomicAdd(&shadow_statistics.ended, 1u);
   }
@@ -235,19 +243,50 @@ fn choose_for_light(caster: u32, light_index: u32, view_index: u32) {
   if (light.counting == COUNT_ZP_PLUS || light.counting == COUNT_ZP_PLUS_2005) {
     atomicOr(&choices[choices_offset + CHOICE_NEAR_CAP], light_mask);
   }
-  if (has_twisted_polygon(caster, light_index) && light.counting == COUNT_ZP_PLUS) {
+  if (has_twisted && light.counting == COUNT_ZP_PLUS) {
     // `caps` lists no near caps of pieces, so it cannot set this bit for them.
     atomicOr(&choices[choices_offset + CHOICE_LISTED_NEAR_CAP], light_mask);
   }
   if (light.excludes != 0u) {
     atomicOr(&choices[choices_offset + CHOICE_EXCLUDES], light_mask);
-    let does_exclude = bounding_box.has_holes || is_excluding || has_twisted_polygon(caster, light_index);
-    atomicOr(&choices[group_offset + select(CHOICE_MAY_EXCLUDE, CHOICE_DOES_EXCLUDE, does_exclude)], light_mask);
+    atomicOr(&choices[words.group_offset + select(CHOICE_MAY_EXCLUDE, CHOICE_DOES_EXCLUDE, does_exclude)], light_mask);
   }
   if (has_measures()) {
-    atomicStore(&choices[measures_offset], bitcast<u32>(light.end));
-    atomicStore(&choices[measures_offset + 1u], bitcast<u32>(light.frustum_near));
+    atomicStore(&choices[words.measures_offset], bitcast<u32>(light.end));
+    atomicStore(&choices[words.measures_offset + 1u], bitcast<u32>(light.frustum_near));
   }
+}
+
+// Chooses for a caster, a light and a view, and writes the choices.
+fn choose_for_light(caster: u32, light_index: u32, view_index: u32) {
+  let words = choice_words(caster, light_index, view_index);
+  let is_dirty = (atomicLoad(&choices[words.group_offset + CHOICE_DIRTY]) & words.light_mask) != 0u;
+  let entry = view_index * shape.lights + light_index;
+  // Entries of unused views are zeros, and so are those of lights that the view leaves out.
+  let is_in_view = view_lights[entry].view.near_w != 0.0;
+  if (is_dirty || !is_in_view) {
+    clear_choices(words);
+  }
+  if (!is_in_view || (relevant_lights[light_index / 32u * shape.casters + caster] & words.light_mask) == 0u) {
+    return;
+  }
+  if (!is_dirty) {
+    count_cached_choices(words);
+    return;
+  }
+  let bounding_box = caster_box(caster);
+  var light: ShadowLight; // Casts nothing.
+  var has_twisted = false;
+  if (!bounding_box.is_empty) {
+    has_twisted = has_twisted_polygon(caster, light_index);
+    light = chosen_light(caster, light_index, entry, bounding_box, has_twisted);
+  }
+  if (light.casting == CAST_NOTHING) {
+    atomicAdd(&shadow_statistics.skipped, 1u);
+    return;
+  }
+  let does_exclude = bounding_box.has_holes || has_twisted || (caster_flags(caster) & EXCLUDES) != 0u;
+  write_choices(words, light, does_exclude, has_twisted);
 }
 
 @compute @workgroup_size(64)

@@ -16,16 +16,17 @@
 @group(0) @binding(0) var<uniform> receiver_view: ReceiverView;
 @group(0) @binding(2) var<storage, read_write> receivers: array<u32>;
 
+// Depth is read as floats, because OpenGL loads no texels of depth textures.
 #if SAMPLES
-@group(0) @binding(1) var depth_texture: texture_depth_multisampled_2d;
+@group(0) @binding(1) var depth_texture: texture_multisampled_2d<f32>;
 
 fn sample_count() -> u32 { return textureNumSamples(depth_texture); }
-fn load_depth(pixel: vec2<u32>, sample: u32) -> f32 { return textureLoad(depth_texture, pixel, sample); }
+fn load_depth(pixel: vec2<u32>, sample: u32) -> f32 { return textureLoad(depth_texture, pixel, sample).x; }
 #else
-@group(0) @binding(1) var depth_texture: texture_depth_2d;
+@group(0) @binding(1) var depth_texture: texture_2d<f32>;
 
 fn sample_count() -> u32 { return 1u; }
-fn load_depth(pixel: vec2<u32>, sample: u32) -> f32 { return textureLoad(depth_texture, pixel, 0); }
+fn load_depth(pixel: vec2<u32>, sample: u32) -> f32 { return textureLoad(depth_texture, pixel, 0).x; }
 #endif
 
 // The key of the farthest receiver in a tile. 0: there is none.
@@ -50,16 +51,15 @@ fn farthest_key(tile: vec2<u32>) -> u32 {
   return key;
 }
 
-fn write_tile(index: u32) {
-  let tiles = (receiver_view.pixels + TILE - 1u) / TILE;
-  if (index < tiles.x * tiles.y) {
-    receivers[receiver_view.offset + RECEIVERS_HEAD + index] = farthest_key(vec2<u32>(index % tiles.x, index / tiles.x));
-  }
-}
-
+// An invocation takes several tiles only where the device does not allow one for each.
 @compute @workgroup_size(64)
 fn receiver_depth(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-  write_tile(id.x + 64u * groups.x * id.y);
+  let tiles = (receiver_view.pixels + TILE - 1u) / TILE;
+  let row = 64u * groups.x;
+  // Turns: 1.
+  for (var index = id.x + row * id.y; index < tiles.x * tiles.y; index += row * groups.y) {
+    receivers[receiver_view.offset + RECEIVERS_HEAD + index] = farthest_key(vec2<u32>(index % tiles.x, index / tiles.x));
+  }
 }
 
 // Stage `receiver_pyramid`: writes the further levels, and the head with the box around all rays from the near rectangle to

@@ -1,27 +1,29 @@
-// Structs and vertex arithmetic that all stages of shadow volumes share. `needs` imports this file, too. Rust has the
-// same structs in src/layout.rs, and a test compares them.
+// Structs and vertex arithmetic that the stages of shadow volumes share. `needs` and outline/scene_edges.wgsl import this
+// file, too. Rust has the same structs in src/layout.rs, but for `Corner`, and a test compares them.
 // A light is homogeneous, (x, y, z, w). A light at infinity has w = 0. A vertex V of a volume has three forms: V itself,
 // its far vertex, and V projected from the light onto the near plane. The far vertex is on the ray from the light through
 // V, at infinity or where the volume ends.
-// Each form must have the same bits in every draw, and in a caller's depth pass that computes `to_clip`. So all
-// arithmetic is written out, and no expression may be rearranged. docs/numerics/shadow-volumes.md.
+// Each form must have the same bits in every draw, and V itself also in a caller's depth pass that computes positions as
+// `to_clip` does. So all arithmetic is written out, and no expression may be rearranged. docs/numerics/shadow-volumes.md.
 
 #import common/casters
 
 // Counts of the stages, for one frame. A pair is a caster and a light, in one view.
 struct ShadowStatistics {
-  skipped: atomic<u32>, // Pairs whose light affects the caster, but whose volume is culled.
+  // Pairs whose light is relevant to the caster, but whose volume is culled, or whose caster has no finite face.
+  skipped: atomic<u32>,
   every_face: atomic<u32>, // Pairs for which every face casts.
   near_capped: atomic<u32>, // Lists of a light, a group of casters and a view that have near caps.
   overflowed_caps: atomic<u32>, // The same lists, where cap faces overflowed.
   overflowed_sides: atomic<u32>, // The same lists, where sides overflowed.
   ended: atomic<u32>, // Pairs whose volume ends, at the range of the light or behind all receivers.
-  // An upper bound of all stencil counts of any light. 0 unless the caller asks for it.
+  // An upper bound of the stencil counts of any light in any view. 0 unless the caller asks for it; so is the next.
   count_bound: atomic<u32>,
-  may_wrap: atomic<u32>, // Lights, one for each view, whose bound exceeds `ShadowShape::largest_count`.
+  may_wrap: atomic<u32>, // Pairs of light and view whose bound exceeds `ShadowShape::largest_count`.
   cached_lists: atomic<u32>, // Lists of a light, a group of casters and a view that are cached.
-  culled_by_receivers: atomic<u32>, // Pairs culled by receivers: no receiver can lie in the volume.
-  culled_by_range: atomic<u32>, // Pairs culled by light range.
+  // Skipped pairs culled by receivers: no receiver can lie in the volume. Cached pairs are not counted; nor are they below.
+  culled_by_receivers: atomic<u32>,
+  culled_by_range: atomic<u32>, // Skipped pairs culled by light range.
   lost_pieces: atomic<u32>, // Pieces of twisted polygons that the list has no room for. Shadows are wrong there.
   most_pieces: atomic<u32>, // The most pieces of a caster for a light, including those without room.
 }
@@ -40,12 +42,12 @@ struct ShadowView {
   near_z: f32, // Depth of the near plane, z / w: 1 with reversed depth, else 0.
 }
 
-// A light, and the choices of the GPU for this light and a caster.
+// A light as a caster and a view see it, and the choices of the GPU for all three (shadow/choices.wgsl).
 struct ShadowLight {
   light: vec4<f32>, // Homogeneous, in the space of the caster's positions, scaled so that w is 0 or a power of two.
   clip: vec4<f32>, // The light in clip space.
   height: f32, // The height of the light over the near plane, times w.
-  range: f32, // Casters farther away are culled. 0: no limit.
+  range: f32, // The range of the light. 0: none.
   casting: u32, // The faces that cast: one of the constants CAST_….
   counting: u32, // The counting method: one of the constants COUNT_….
   // The near end of the light's frustum, for ZP+ as published. For a point light it is the distance of the near end from the
@@ -69,21 +71,21 @@ struct ShadowLight {
 struct ViewLight {
   view: ShadowView,
   light: ShadowLight,
-  // x: the version of the camera, the number of the first encode that had it as it is. y: the offset of the view's
-  // receivers, or 0 for none. z, w: 0.
+  // x: the version of the camera and its receivers, the number of the first encode that had both as they are. y: the offset
+  // of the view's receivers, or 0 for none. z, w: 0.
   version: vec4<u32>,
-  cone: LightCone,
+  cone: LightCone, // Only for `needs`.
   reserved: array<vec4<u32>, 12>,
 }
 
 // A group of casters and a light batch, and the caller's options.
 struct ShadowShape {
   casters: u32, // Casters of all groups.
-  lights: u32, // Lights of all batches.
+  lights: u32, // Lights of all batches, 32 each, some of which may be unused.
   batches: u32, // Batches of up to 32 lights.
   faces: u32, // Face slots of the group.
   edges: u32, // Edge slots of the group.
-  // Entries that the lists of one light have room for: silhouettes, sides, near caps, and light and dark caps.
+  // Entries that four lists of one light have room for: silhouettes; sides; near caps; light and dark caps.
   capacity: u32,
   side_capacity: u32,
   near_capacity: u32,
@@ -106,15 +108,15 @@ struct ShadowShape {
   group_and_batch: u32, // The index of group and light batch: group * batches + batch.
   first_caster: u32, // The first caster of the group.
   lists_offset: u32, // The offset in `cache` of the encodes that made the silhouette lists of the batch, one for each light.
-  uses_cache: u32, // 1: lists of sides and caps are cached.
-  needs_boxes: u32, // 1: boxes are read by stages after `counting_methods`, too.
+  uses_cache: u32, // 1: lists of sides and caps of earlier encodes are used where they are not dirty.
+  needs_boxes: u32, // 1: stages after `counting_methods` read boxes, too.
   used_lights: u32, // The index of the last light that is used, plus 1.
   has_receivers: u32, // 1: views may have receivers. Volumes may then end behind all of them.
-  largest_count: u32, // The largest count that the counting bits of the stencil hold.
+  largest_count: u32, // The largest count that does not wrap around in the counting bits of the stencil.
   piece_capacity: u32, // Pieces of twisted polygons that the list of one light has room for.
 }
 
-// The light of a draw, or the light batch of a dispatch.
+// The light, view and count batch of a draw, or the light batch and view of a dispatch.
 struct ShadowDraw {
   light: u32, // The light of a draw, by its index in the frame.
   first_light: u32, // The first light of the batch.
@@ -128,11 +130,11 @@ const CAST_EVERY: u32 = 2u; // Every face casts.
 const COUNT_Z_PASS: u32 = 0u;
 const COUNT_ZP_PLUS: u32 = 1u;
 const COUNT_Z_FAIL: u32 = 2u;
-// Chosen for each caster and light: z-pass if no face lies between light and near rectangle, else ZP+.
+// Chosen for each caster, light and view: z-pass if no face lies between light and near rectangle, else ZP+.
 const COUNT_AUTO: u32 = 3u;
 const COUNT_ZP_PLUS_2005: u32 = 4u; // ZP+ as published.
 
-// Corner 0 to 7 of a box.
+// The corner of a box with an index from 0 to 7.
 fn box_corner(low: vec3<f32>, high: vec3<f32>, index: u32) -> vec3<f32> {
   return select(low, high, (vec3<u32>(index) & vec3<u32>(1u, 2u, 4u)) != vec3<u32>(0u));
 }
@@ -142,14 +144,14 @@ fn direction_to_camera_frame(view: ShadowView, d: vec3<f32>) -> vec3<f32> {
   return vec3<f32>(dot_3(view.placement[0].xyz, d), dot_3(view.placement[1].xyz, d), dot_3(view.placement[2].xyz, d));
 }
 
-// A position in the camera frame. For positions in world space it is exactly the difference from the camera's origin,
+// A position in the camera frame. For positions in world space it has the bits of the position minus the camera's origin,
 // because products with 1 and 0 do not round.
 fn to_camera_frame(view: ShadowView, position: vec3<f32>) -> vec3<f32> {
   return direction_to_camera_frame(view, position) +
     vec3<f32>(view.placement[0].w, view.placement[1].w, view.placement[2].w);
 }
 
-// A position in clip space. A caller's depth pass gets the same bits if it computes positions in this way.
+// A position in clip space. A caller's depth pass has the same bits if it computes this expression.
 fn to_clip(view: ShadowView, position: vec3<f32>) -> vec4<f32> {
   let q = to_camera_frame(view, position);
   return view.view_projection[0] * q.x + view.view_projection[1] * q.y + view.view_projection[2] * q.z +
@@ -221,7 +223,7 @@ fn corner(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> Corner {
   );
 }
 
-// Tests bits, because WGSL allows an implementation to assume that floats are finite.
+// Whether all components are finite. It tests bits, because WGSL allows an implementation to assume that floats are finite.
 fn is_finite(position: vec3<f32>) -> bool {
   let exponent = bitcast<vec3<u32>>(position) & vec3<u32>(0x7f800000u);
   return all(exponent != vec3<u32>(0x7f800000u));
@@ -230,7 +232,7 @@ fn is_finite(position: vec3<f32>) -> bool {
 // The light's side of the near plane: -1 on the eye's side, else 1.
 fn light_side(light: ShadowLight) -> f32 { return select(1.0, -1.0, light.height < 0.0); }
 
-// The vertex, projected from the light onto the near plane.
+// The vertex, projected from the light onto the near plane, in clip space.
 fn project_to_near_plane(view: ShadowView, light: ShadowLight, v: Corner) -> vec4<f32> {
   let s = light_side(light);
   var xy = v.far.xy * light.height - light.clip.xy * v.far_height;
@@ -242,19 +244,20 @@ fn project_to_near_plane(view: ShadowView, light: ShadowLight, v: Corner) -> vec
   return vec4<f32>(s * xy, -s * w * view.near_z, -s * w);
 }
 
-// The intersection of an edge with the near plane. The ends must lie on different sides. `a` has the lower vertex index.
+// The intersection of an edge with the near plane, in clip space. It has a meaning only if the ends lie on different sides.
+// `a` must have the lower vertex index, so that all draws have the same bits.
 fn on_near_plane(view: ShadowView, a: Corner, b: Corner) -> vec4<f32> {
   let t = a.height / (a.height - b.height);
   return vec4<f32>(a.near.xy + (b.near.xy - a.near.xy) * t, view.near_z * view.near_w, view.near_w);
 }
 
-// Corrects a depth that rounding may have moved in front of the near plane.
+// A position in clip space that is not in front of the near plane: its depth is corrected if rounding moved it there.
 fn behind_near_plane(view: ShadowView, clip: vec4<f32>) -> vec4<f32> {
   return vec4<f32>(clip.xy, select(max(clip.z, 0.0), min(clip.z, clip.w), view.near_z != 0.0), clip.w);
 }
 
-// The far vertex of the point of an edge from which the direction away from the light is parallel to the near plane. `a` has
-// the lower vertex index.
+// The far vertex, at infinity, of the point of an edge at which the direction away from the light is parallel to the near
+// plane. It has a meaning only if the far heights of the ends have different signs. `a` must have the lower vertex index.
 fn parallel_to_near_plane(a: Corner, b: Corner) -> vec4<f32> {
   let t = a.far_height / (a.far_height - b.far_height);
   return vec4<f32>(a.far.xy + (b.far.xy - a.far.xy) * t, 0.0, 0.0);

@@ -49,11 +49,11 @@ fn emit_vertex(selected: SelectedVertex, clip: vec4<f32>, is_present: bool) -> S
 }
 
 // Whether polygons are trimmed: cut at the frustum. A trimmed polygon has up to eleven corners, and a draw has as many
-// vertices an instance as without TRIM. So up to seven draws are made, one for each PART of the polygons. A part is in a
-// strip the convex quad of corners 0 and 2 PART + 1 to 2 PART + 3, in a list the triangle of corners 0, PART + 1 and PART +
-// 2.
+// vertices an instance as without TRIM. So up to seven draws are made, one for each part of the polygons. Part p is in a
+// strip the convex quad of corners 0 and 2 p + 1 to 2 p + 3, in a list the triangle of corners 0, p + 1 and p + 2.
 override TRIM: bool = false;
-override PART: u32 = 0u;
+// x: the part that is drawn. A constant would need a pipeline for each part, and these shaders compile slowly.
+@group(0) @binding(4) var<uniform> drawn_part: vec4<u32>;
 override UNCLIPPED: bool = false; // Whether near and far plane do not clip, since depth is clamped.
 const MOST_CORNERS: u32 = 11u; // Five, and one more for each plane.
 
@@ -128,10 +128,10 @@ fn trim_to_frustum(untrimmed: ClipPolygon) -> ClipPolygon {
   return polygon;
 }
 
-// A vertex of part PART of a polygon, in a list of triangles or a strip. All vertices are equal if the polygon has no such
-// part.
+// A vertex of the drawn part of a polygon, in a list of triangles or a strip. All vertices are equal if the polygon does not
+// have the part.
 fn vertex_of_part(polygon: ClipPolygon, is_list: bool, vertex: u32) -> vec4<f32> {
-  let first = select(2u, 1u, is_list) * PART;
+  let first = select(2u, 1u, is_list) * drawn_part.x;
   if (first + 2u >= polygon.count) {
     return NOT_DRAWN;
   }
@@ -345,7 +345,7 @@ fn clipped_side_vertex(
 }
 
 // The functions `drawn_…` return the vertices of caps and sides as they are drawn. If TRIM is set, each invocation makes the
-// whole polygon, trims it and takes one vertex of part PART.
+// whole polygon, trims it and takes one vertex of the drawn part.
 fn drawn_light_cap(view: ShadowView, light: ShadowLight, face: CapFace, ends_at_near_plane: bool, vertex: u32) -> VolumeVertex {
   if (!TRIM) {
     return VolumeVertex(seen_light_cap_vertex(view, light, face, ends_at_near_plane, vertex));

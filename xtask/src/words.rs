@@ -6,7 +6,7 @@ use crate::process;
 const OPENERS: [&str; 5] = ["As", "That", "Those", "What", "Of"];
 
 /// Parts of names that stand for too many things, and the words to take instead.
-const BANNED: [(&str, &str); 11] = [
+const BANNED: [(&str, &str); 13] = [
     ("place", "index, offset, slot, position, path"),
     ("places", "indices, offsets, crossings"),
     ("own", "what it is: local, planned, stored"),
@@ -18,19 +18,39 @@ const BANNED: [(&str, &str); 11] = [
     ("figures", "deforming casters"),
     ("fresh", "dirty, new"),
     ("matter", "active, relevant"),
+    ("covered", "occluded, blocked, behind"),
+    ("hidden", "occluded, culled"),
 ];
 
 /// Folders whose names are checked.
 const CHECKED: [&str; 7] = ["benches/", "crates/", "examples/", "src/", "tests/", "wgsl/", "xtask/"];
 
-/// Names that may stay in a folder, and why.
-const ALLOWED: [(&str, &[&str], &str); 6] = [
+/// Reasons for names that may stay.
+const WALKER: &str = "the walking figure, a model of rimline-models";
+const LINES: &str = "lines that faces hide, the term of drawings";
+const NODES: &str = "nodes that a glTF file hides";
+
+/// Names that may stay in a folder or a file, and why.
+const ALLOWED: [(&str, &[&str], &str); 19] = [
     ("crates/rimline-bench/", &["Figure", "figure", "figures"], "a chart and its table in a report"),
-    ("crates/rimline-cli/tests/", &["Figure", "figure"], "the walking figure, a model of rimline-models"),
-    ("crates/rimline-models/", &["Figure", "figure", "walking_figure"], "the walking figure, a model"),
-    ("crates/rimline-view/", &["Figure", "figure", "walking_figure"], "the walking figure, a model of rimline-models"),
-    ("examples/", &["Figure", "figure"], "the walking figure, a model of rimline-models"),
-    ("tests/examples/", &["FIGURE", "Figure", "figure"], "the walking figure, a model of rimline-models"),
+    ("crates/rimline-cli/src/draw/", &["is_hidden"], LINES),
+    ("crates/rimline-cli/src/info.rs", &["hidden_nodes"], NODES),
+    ("crates/rimline-cli/src/lines", &["Hidden", "has_hidden", "hidden", "is_hidden"], LINES),
+    ("crates/rimline-cli/src/output.rs", &["hidden", "is_hidden"], "functions of indicatif"),
+    ("crates/rimline-cli/src/shadow", &["hide_covered"], "the option --hide-covered"),
+    ("crates/rimline-cli/tests/", &["Figure", "figure"], WALKER),
+    ("crates/rimline-cli/tests/command/drawings/", &["hidden"], LINES),
+    ("crates/rimline-cli/tests/command/outlines.rs", &["Hidden", "hidden"], LINES),
+    ("crates/rimline-fuzz/", &["hidden"], NODES),
+    ("crates/rimline-lines/", &["hidden", "is_hidden", "is_hidden_drawn"], LINES),
+    ("crates/rimline-models/", &["Figure", "figure"], WALKER),
+    ("crates/rimline-view/", &["Figure", "figure", "walking_figure"], WALKER),
+    ("examples/", &["Figure", "figure"], WALKER),
+    ("src/gltf/", &["hidden_nodes", "is_hidden"], NODES),
+    ("tests/examples/", &["FIGURE", "Figure", "figure"], WALKER),
+    ("tests/gltf/", &["hidden", "hidden_nodes"], NODES),
+    ("tests/outline/", &["hidden"], LINES),
+    ("wgsl/outline/", &["is_hidden"], LINES),
 ];
 
 /// Looks at the comments of all Rust and WGSL files, and at the names of the library.
@@ -53,18 +73,32 @@ pub(crate) fn run() -> Result<(), String> {
     Ok(())
 }
 
-/// The line, from 1, the name and the words to take, of each name with a banned part. Comments and strings have no names.
+/// The line, from 1, the name and the words to take, of each name with a banned part. Comments, strings and `doc(hidden)`
+/// have no names.
 fn banned_names(text: &str, allowed: &[&str]) -> Vec<String> {
     let mut all = Vec::new();
-    for (line, code) in (1..).zip(code_of(text).lines()) {
+    for (line, code) in (1..).zip(code_of(text).replace("doc(hidden)", "doc").lines()) {
         for name in code.split(|c: char| c != '_' && !c.is_alphanumeric()) {
-            let has = |word: &str| name.split('_').any(|part| part.eq_ignore_ascii_case(word));
+            let parted = parted(name);
+            let has = |word: &str| parted.split('_').any(|part| part.eq_ignore_ascii_case(word));
             if let Some((_, instead)) = BANNED.iter().find(|(word, _)| has(word)).filter(|_| !allowed.contains(&name)) {
                 all.push(format!("{line} `{name}` ({instead})"));
             }
         }
     }
     all
+}
+
+/// The name with `_` between all its words: `CoveredFaces` has two.
+fn parted(name: &str) -> String {
+    let mut parted = String::new();
+    for c in name.chars() {
+        if c.is_uppercase() && parted.ends_with(|before: char| before.is_lowercase() || before.is_numeric()) {
+            parted.push('_');
+        }
+        parted.push(c);
+    }
+    parted
 }
 
 /// The text without its comments and strings, with the same lines.
@@ -132,6 +166,9 @@ mod tests {
         };
         assert_eq!(lines(text, &[]), ["1", "3", "3", "4"]);
         assert_eq!(lines(text, &["own", "place"]), ["3", "4"]);
+        let types = "struct CoveredFaces;\nstruct Displaced;\n#[doc(hidden)]\nstruct Near2Own;\nfn hidden() {}\n";
+        assert_eq!(lines(types, &[]), ["1", "4", "5"]);
+        assert_eq!(lines(types, &["CoveredFaces"]), ["4", "5"]);
     }
 
     #[test]

@@ -87,7 +87,7 @@ pub(crate) fn field(shape: Shape, casters: usize) -> Setting {
 /// Where casters may move to, turned.
 fn turned(setting: &Setting) -> Vec<Matrix3x4> {
     let mut random = Random::new(2);
-    let at = setting.casters.placed().into_iter().rev().map(|shape| shape.positions[0]);
+    let at = setting.casters.world_shapes().into_iter().rev().map(|shape| shape.positions[0]);
     let turn = |[x, y, z]: [f32; 3]| {
         let (s, c) = random.between(-3.0, 3.0).sin_cos();
         [[c, 0.0, s, x], [0.0, 1.0, 0.0, y], [-s, 0.0, c, z]]
@@ -178,7 +178,7 @@ pub(crate) fn measure(
             gpu_times[entry] = gpu_times[entry].clone().and(&drawn);
         }
     }
-    let alone = if casters <= MOST_SCENES { setting.casters.placed() } else { Vec::new() };
+    let alone = if casters <= MOST_SCENES { setting.casters.world_shapes() } else { Vec::new() };
     let alone: Vec<Setting> = alone.into_iter().map(|shape| setting.in_buffers(vec![shape])).collect();
     let before = gpu.allocated_bytes()?;
     let scenes = alone.iter().map(|setting| SceneRecorder::new(gpu, setting, Some(pipelines), anew));
@@ -359,7 +359,7 @@ mod tests {
     fn positions_are_exact_and_about_half_of_them_are_seen() {
         let setting = field(CasterMesh::Character.shape(), 1000);
         let shape = CasterMesh::Character.shape();
-        let placed = setting.casters.placed();
+        let placed = setting.casters.world_shapes();
         for world in placed.iter().step_by(50) {
             let shift: [f64; 3] =
                 std::array::from_fn(|axis| f64::from(world.positions[0][axis]) - f64::from(shape.positions[0][axis]));

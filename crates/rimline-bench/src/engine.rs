@@ -5,13 +5,14 @@ use std::time::{Duration, Instant};
 
 use crate::{Error, Host};
 
-/// Something of a contender that has a number in each round.
+/// A quantity that is measured of a contender in a round.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Metric {
-    /// Milliseconds of a whole, by the name of the whole.
+    /// Milliseconds of the whole work that has this name, such as a frame.
     Time(&'static str),
-    /// Milliseconds of a stage or pass.
+    /// Milliseconds of a stage or pass, which is a part of it.
     Stage(&'static str),
+    /// A number of something, such as bytes.
     Count(&'static str),
 }
 
@@ -23,7 +24,8 @@ pub fn times<const N: usize>(times: [(&'static str, f64); N]) -> Sample {
 
 pub type Contender<'a> = Box<dyn FnMut() -> Result<Sample, Error> + 'a>;
 
-/// How often a row is measured: as often as fits into its time, within bounds.
+/// How many rounds are measured: as many as fit into `time`, but from `least` to `most`. Runs that warm up are not part of
+/// `time`.
 #[derive(Clone, Copy, Debug)]
 pub struct Rounds {
     pub least: usize,
@@ -37,8 +39,9 @@ impl Rounds {
     }
 }
 
-/// Runs all contenders in turn, up to three times to warm up and then counted, every other round backwards, so that none
-/// always follows the same. Returns the samples of each.
+/// Runs each contender to warm up, three times at most and no more often than it is counted, then all of them in turn in each
+/// round. Every other round goes backwards, so that no contender always follows the same one. Returns the samples of each
+/// contender, one a round.
 pub fn interleave(
     rounds: Rounds,
     mut contenders: Vec<Contender<'_>>,
@@ -51,7 +54,7 @@ pub fn interleave(
     for index in 0..count {
         // The first run compiles and allocates; a later one is what a round will take.
         let mut last = Duration::ZERO;
-        for _ in 0..3 {
+        for _ in 0..rounds.most.clamp(1, 3) {
             let begin = Instant::now();
             run(index)?;
             last = begin.elapsed();
@@ -72,6 +75,7 @@ pub fn interleave(
     Ok(samples)
 }
 
+/// Milliseconds that some work takes.
 pub fn clock(work: impl FnOnce()) -> f64 {
     let begin = Instant::now();
     work();
@@ -137,6 +141,9 @@ mod tests {
         let samples = interleave(rounds, vec![contender('a'), contender('b')], &()).expect("none fails");
         assert_eq!(samples.iter().map(Vec::len).collect::<Vec<_>>(), [3, 3]);
         assert_eq!(order.take(), "aaabbbabbaab");
+        let once = Rounds { least: 1, most: 1, ..rounds };
+        interleave(once, vec![contender('a'), contender('b')], &()).expect("none fails");
+        assert_eq!(order.take(), "abab");
         let host = StopsAt(Cell::new(7));
         let stopped = interleave(rounds, vec![contender('a'), contender('b')], &host);
         assert!(matches!(stopped, Err(Error::Stopped)));

@@ -1,8 +1,7 @@
 //! How wrong an extraction is: bits that differ from exact arithmetic, and vertices at which loops stay open.
 
-use rimline::internals::cpu;
+use rimline::cpu;
 use rimline::internals::layout::{EdgeMasks, low_bits};
-use rimline::internals::light::batches;
 use rimline::mesh::{EdgeKind, Mesh};
 
 /// Errors of one extraction, all lights together.
@@ -24,14 +23,14 @@ impl Score {
     /// then decided from its silhouette and winding bits. `None` if masks are not of this mesh and as many lights.
     pub fn of(mesh: &Mesh, lights: usize, exact: &cpu::Extraction, found: &cpu::Extraction) -> Option<Self> {
         let (faces, edges) = (mesh.faces().len(), mesh.edges().len());
-        let fits = |extraction: &cpu::Extraction| extraction.masks.len() == edges * batches(lights);
-        let has_facing = |extraction: &cpu::Extraction| extraction.facing.len() == faces * batches(lights);
+        let fits = |extraction: &cpu::Extraction| extraction.masks.len() == edges * lights.div_ceil(32);
+        let has_facing = |extraction: &cpu::Extraction| extraction.facing.len() == faces * lights.div_ceil(32);
         let is_per_edge = found.facing.is_empty();
         if !fits(exact) || !fits(found) || !has_facing(exact) || !(is_per_edge || has_facing(found)) {
             return None;
         }
         let mut score = Self::default();
-        for word in 0..batches(lights) {
+        for word in 0..lights.div_ceil(32) {
             let live = low_bits(lights - 32 * word);
             let right = plane(&exact.facing, word, faces);
             let masks = plane(&found.masks, word, edges);

@@ -2,7 +2,7 @@
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use rimline::internals::cpu::Threads;
+use rimline::cpu::Threads;
 
 #[derive(Clone, Debug)]
 pub(crate) struct Machine {

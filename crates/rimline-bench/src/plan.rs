@@ -148,22 +148,12 @@ impl Plan {
             |name: &&'static str| Job::Extraction(Subject::Scene(name, scene_faces), lights_of_scenes.clone());
         jobs.extend(stress.map(of_stress));
         if !cpu_only {
-            let bodies = match &options.model {
-                _ if count == 0 => Vec::new(),
-                Some(model) => vec![(model.name.clone(), Rc::new(fitted(&model.positions, model.mesh.faces())))],
-                None => MODELS.iter().take(models).map(|(name, make)| ((*name).to_owned(), Rc::new(make()))).collect(),
-            };
-            let on_paths = |(name, shape): (String, Rc<Shape>)| {
-                PATHS.map(|path| Job::Shadows(name.clone(), Rc::clone(&shape), path))
-            };
-            jobs.extend(bodies.into_iter().flat_map(on_paths));
+            if count > 0 {
+                jobs.extend(of_shadows(options.model.as_ref(), models));
+            }
             if has_casters {
                 let numbers = casters.clone().unwrap_or_else(|| usual(&NUMBERS_OF_CASTERS, &QUICK_NUMBERS_OF_CASTERS));
-                jobs.extend(numbers.iter().map(|&number| Job::Casters(CasterMesh::Cube, number)));
-                let characters = numbers.iter().filter(|&&number| number <= MOST_CHARACTERS);
-                jobs.extend(characters.map(|&number| Job::Casters(CasterMesh::Character, number)));
-                let one_mesh = if numbers.is_empty() { Vec::new() } else { usual(&ONE_CASTER, &QUICK_ONE_CASTER) };
-                jobs.extend(one_mesh.into_iter().map(Job::OneMesh));
+                jobs.extend(of_casters(&numbers, &usual(&ONE_CASTER, &QUICK_ONE_CASTER)));
             }
             for scene in of_skipping.iter().flat_map(|name| SkipScene::named(name, quick)) {
                 let given = casters.as_deref().filter(|_| !scene.is_one_mesh());
@@ -180,6 +170,26 @@ impl Plan {
         let rows = |job: &Job| if let Job::Extraction(_, lights) = job { lights.len() } else { 1 };
         self.jobs.iter().map(rows).sum()
     }
+}
+
+/// The user's model, or so many of ours, on each path.
+fn of_shadows(model: Option<&Model>, models: usize) -> Vec<Job> {
+    let bodies: Vec<(String, Rc<Shape>)> = match model {
+        Some(model) => vec![(model.name.clone(), Rc::new(fitted(&model.positions, model.mesh.faces())))],
+        None => MODELS.iter().take(models).map(|(name, make)| ((*name).to_owned(), Rc::new(make()))).collect(),
+    };
+    let on_paths =
+        |(name, shape): (String, Rc<Shape>)| PATHS.map(|path| Job::Shadows(name.clone(), Rc::clone(&shape), path));
+    bodies.into_iter().flat_map(on_paths).collect()
+}
+
+/// Scenes of these numbers of casters and, if there are some, of one mesh.
+fn of_casters(numbers: &[usize], one_mesh: &[usize]) -> Vec<Job> {
+    let cubes = numbers.iter().map(|&number| Job::Casters(CasterMesh::Cube, number));
+    let characters = numbers.iter().filter(|&&number| number <= MOST_CHARACTERS);
+    let characters = characters.map(|&number| Job::Casters(CasterMesh::Character, number));
+    let one_mesh = one_mesh.iter().filter(|_| !numbers.is_empty()).map(|&faces| Job::OneMesh(faces));
+    cubes.chain(characters).chain(one_mesh).collect()
 }
 
 /// The values without those that are there before.

@@ -78,7 +78,7 @@ impl Results {
         });
         json!({
             "format": "rimline-bench",
-            "version": 2,
+            "version": 3,
             "complete": self.is_complete(),
             "planned_rows": self.planned_rows,
             "rimline": VERSION,

@@ -203,6 +203,7 @@ impl Row {
         let mut found = json!({ "variant": id, "name": name, "times": {}, "stages": {}, "counts": {}, "ratios": [] });
         for (metric, values) in &entry.metrics {
             match metric {
+                Metric::Time(name) if values.is_empty() => found["times"][name] = Value::Null,
                 Metric::Time(name) => {
                     found["times"][name] = summary_json(entry.summary(*metric));
                     found["times"][name]["rounds"] = json!(values);
@@ -270,5 +271,10 @@ mod tests {
         assert_eq!((row.faces(), row.lights()), (12, 0));
         let ratio = &row.json()["variants"][0]["ratios"][0];
         assert_eq!((&ratio["to"], &ratio["median"]), (&json!("z-pass"), &json!(3.0)));
+        // A time that is not known has its key.
+        let unknown = row.entries.iter().map(|entry| entry.clone().with(Metric::Time("deform"), [])).collect();
+        let variant = &Row { entries: unknown, ..row }.json()["variants"][0];
+        assert_eq!(variant["times"].get("deform"), Some(&Value::Null));
+        assert_eq!(variant["ratios"].as_array().map(Vec::len), Some(1));
     }
 }

@@ -118,11 +118,11 @@ pub fn coverage(device: &wgpu::Device, queue: &wgpu::Queue, triangles: &[Triangl
 
 /// Pixels that fronts and backs of a closed surface do not cover equally often.
 pub fn unbalanced(device: &wgpu::Device, queue: &wgpu::Queue, triangles: &[Triangle]) -> Result<usize, String> {
-    let covered = coverage(device, queue, triangles)?;
-    if covered.iter().all(|&[fronts, backs]| fronts == 0 && backs == 0) {
+    let counts = coverage(device, queue, triangles)?;
+    if counts.iter().all(|&[fronts, backs]| fronts == 0 && backs == 0) {
         return Err("the device draws nothing".into());
     }
-    Ok(covered.iter().filter(|[fronts, backs]| fronts != backs).count())
+    Ok(counts.iter().filter(|[fronts, backs]| fronts != backs).count())
 }
 
 /// The small trial that tells whether a driver has the fault: pixels counted wrongly of two tubes that leave the picture,

@@ -2,10 +2,8 @@
 
 use std::collections::HashSet;
 
-use rimline::MAX_LIGHTS;
 use rimline::internals::cpu::{self, Threads};
-use rimline::internals::light::check_lights;
-use rimline::{Light, Mesh, Predicate};
+use rimline::{Light, MAX_LIGHTS, Mesh, Predicate, check_lights};
 use rimline_bench::error_metrics::{Score, light_counts};
 use rimline_bench::stress::{self, Scene};
 

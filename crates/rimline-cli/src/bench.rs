@@ -17,7 +17,7 @@ use rimline_files::Polygons;
 
 use crate::device::{self, Device, Gpu, Wanted};
 use crate::failure::Failure;
-use crate::files::{self, check_ending, check_folder};
+use crate::files::{self, Inputs, check_ending, check_folder};
 use crate::film;
 use crate::input::{Input, Scene};
 use crate::input_args::{DeviceArgs, LoadArgs, verbatim};
@@ -174,7 +174,8 @@ impl Destination {
             drop(Output::create(&path.join("index.html"))?);
             Ok((path.clone(), folder))
         };
-        args.json.as_deref().map_or(Ok(()), |file| check_ending(file, "json"))?;
+        let inputs = Inputs::new(args.file.iter().chain(&args.depth_maps));
+        args.json.as_deref().map_or(Ok(()), |file| check_ending(file, "json").and_then(|()| inputs.spare(file)))?;
         Ok(Self {
             folder: args.report.as_ref().map(folder).transpose()?,
             json: args.json.as_deref().map(Output::create).transpose()?,

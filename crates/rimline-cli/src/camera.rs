@@ -1,4 +1,4 @@
-//! Where a picture is taken from, and the outermost points that its frame hangs on.
+//! The camera of a picture, and the outermost points of a scene, to which the camera is fitted.
 
 use glam::{DQuat, DVec3, Vec3};
 use rimline::gltf::{CameraProjection, SceneCamera};
@@ -8,13 +8,13 @@ use crate::failure::{EYE_AT_TARGET, Failure};
 use crate::input_args::PlacedView;
 use crate::spec::Side;
 
-/// Degrees to the right of the model's front, which is +Z.
+/// The default azimuth: degrees to the right of the model's front, which is +Z.
 pub(crate) const AZIMUTH: f64 = 33.0;
-/// How much of the picture's width or height the model takes: a tenth on each side is left.
+/// The share of the picture's width or height that the model takes: a tenth is left on each side.
 const FILLED: f64 = 0.8;
 
-/// The camera of the command line, with whatever is left open chosen so that all `points` are seen: from
-/// `elevation` degrees above.
+/// The camera of the command line, or of a file if `args` has one. Its picture holds all `points`, unless a file or `--eye`
+/// with perspective gives the eye. Without `--eye` and `--view` it looks from `elevation` degrees above the horizon.
 pub(crate) fn camera(
     args: &PlacedView,
     elevation: f64,
@@ -53,7 +53,8 @@ pub(crate) fn camera(
     Ok(view.camera(eye, view.scale, distance.min(extent) * 1e-3, None))
 }
 
-/// A camera of a file, for a picture of this size. Negative magnifications of an orthographic one do not mirror it.
+/// A camera of a file, for a picture of this size, which decides its aspect ratio. A far plane of a perspective camera is
+/// ignored. Negative magnifications of an orthographic one do not mirror it.
 pub(crate) fn of_file(camera: &SceneCamera, size: [u32; 2]) -> Camera {
     let [eye, forward, up] = [camera.eye, camera.forward, camera.up].map(Vec3::from);
     let [width, height] = size.map(|pixels| pixels as f32);
@@ -64,8 +65,8 @@ pub(crate) fn of_file(camera: &SceneCamera, size: [u32; 2]) -> Camera {
     Camera { eye, right: forward.cross(up), up, forward, scale: [scale_y * height / width, scale_y], near, far }
 }
 
-/// Points that a camera on an orbit sees from one of its positions: those of a scene, turned about a vertical line through
-/// `axis`, by default through the middle of their bounds.
+/// The outermost points of a scene in 24 turns about a vertical line through `axis`, by default through the middle of their
+/// bounds. A camera that sees all of them sees the scene all along an orbit about that line.
 pub(crate) fn swept(points: &[[f32; 3]], axis: Option<Vec3>) -> Vec<[f32; 3]> {
     const STEPS: u32 = 24;
     let Some(bounds) = Bounds::of(points) else { return Vec::new() };
@@ -78,7 +79,7 @@ pub(crate) fn swept(points: &[[f32; 3]], axis: Option<Vec3>) -> Vec<[f32; 3]> {
     (0..STEPS).flat_map(turned).map(Into::into).collect()
 }
 
-/// A direction to look in, without a place to look from.
+/// The axes and the scale of a camera without a position.
 struct View {
     right: DVec3,
     up: DVec3,
@@ -88,7 +89,7 @@ struct View {
 
 impl View {
     fn new(forward: DVec3, up: Option<DVec3>, scale: [f64; 2]) -> Self {
-        // Looking straight up or down, the right of the picture is +X, unless something is said to be up.
+        // For a view straight up or down, the right of the picture is +X, unless `up` is given.
         let right = forward.cross(up.unwrap_or(DVec3::Y)).try_normalize();
         let right = right.filter(|_| up.is_some() || forward.y.abs() < 0.999_999).unwrap_or(DVec3::X);
         let up = right.cross(forward);
@@ -101,7 +102,7 @@ impl View {
         Camera { eye, right, up, forward, scale, near, far }
     }
 
-    /// Right, up and forward from the target.
+    /// How far right, up and forward of the target a point is.
     fn seen(&self, target: DVec3, point: DVec3) -> [f64; 3] {
         let p = point - target;
         [p.dot(self.right), p.dot(self.up), p.dot(self.forward)]
@@ -117,7 +118,7 @@ impl View {
         let middle = if is_given { DVec3::ZERO } else { 0.5 * (low + high) };
         let half = (high - middle).max(middle - low);
         let (size, depth) = ((half.x * aspect).max(half.y), high.z - low.z);
-        // A point, or a line that is seen along it.
+        // All points may be one, or on a line that is seen end on.
         let size = if size > 0.0 { size } else { depth.max(f64::from(f32::MIN_POSITIVE)) };
         let room = depth.max(size);
         let eye = target + self.right * middle.x + self.up * middle.y + self.forward * (low.z - room);
@@ -125,11 +126,12 @@ impl View {
         self.camera(eye.as_vec3(), [scale * aspect, scale], 0.5 * room, Some(depth + 2.0 * room))
     }
 
-    /// The nearest place of the eye from which the picture holds all points, in its middle unless the target `is_given`: how
-    /// far aside of the target it aims, and the distance.
+    /// The nearest eye from which the picture holds all points, in its middle unless the target `is_given`. No point is
+    /// nearer to the eye than `least`, measured forward. Returns the offset from the target to the point that it looks at,
+    /// and its distance from that point.
     fn fit(&self, target: DVec3, is_given: bool, points: impl Iterator<Item = DVec3>, least: f64) -> (DVec3, f64) {
         // An eye at (x, y) a distance d before the target sees (a, b, z) where |a − x| s ≤ FILLED (z + d) and the like for
-        // b: each side of the picture bounds d ± x from below by its outermost point.
+        // b: each side of the picture bounds d + x s / FILLED or d − x s / FILLED from below by its outermost point.
         let (mut sides, mut nearest) = ([[f64::NEG_INFINITY; 2]; 2], f64::INFINITY);
         for point in points {
             let [x, y, z] = self.seen(target, point);
@@ -140,7 +142,9 @@ impl View {
             nearest = nearest.min(z);
         }
         if is_given || nearest == f64::INFINITY {
-            return (DVec3::ZERO, sides.into_iter().flatten().fold(least, f64::max));
+            // Twice as far as needed, since a far target makes the near plane as far away as `least`.
+            let behind_near = least.max(2.0 * least - nearest);
+            return (DVec3::ZERO, sides.into_iter().flatten().fold(behind_near, f64::max));
         }
         let wanted = sides.iter().map(|[high, low]| 0.5 * (high + low)).fold(f64::NEG_INFINITY, f64::max);
         let middle = |axis: usize| 0.5 * (sides[axis][0] - sides[axis][1]) * FILLED / self.scale[axis];
@@ -148,20 +152,20 @@ impl View {
     }
 }
 
-/// Degrees above from which something is seen: `usual`, or more where it lies flat.
+/// The elevation of the default camera in degrees: `usual`, or more for flat models, up to 45.
 pub(crate) fn elevation(usual: f64, bounds: &Bounds) -> f64 {
     const STEEP: f64 = 45.0;
     let [x, y, z] = (bounds.max.as_dvec3() - bounds.min.as_dvec3()).to_array();
-    let is_high = (4.0 * y / x.min(z).max(f64::MIN_POSITIVE)).min(1.0);
-    STEEP + (usual - STEEP) * is_high
+    let upright = (4.0 * y / x.min(z).max(f64::MIN_POSITIVE)).min(1.0);
+    STEEP + (usual - STEEP) * upright
 }
 
-/// How many directions are looked in, beside the axes and the diagonals.
+/// The number of directions of [`outermost`], beside the axes and the diagonals.
 const DIRECTIONS: u32 = 128;
 
-/// Finds, for each of many directions, the point that lies farthest that way from `centre`. The points come in no
-/// meaningful order, are never many, and include those that define the bounds. Other points lie outside of their hull
-/// by at most about a hundredth of the size of all points.
+/// Finds, for each of [`directions`], the point that lies farthest that way from `centre`. These points are few, have no
+/// order, and have the same bounds as all points. Others may lie outside of their hull: on a ball by a hundredth of its
+/// size, at the tip of a flat cone by a ninth.
 pub(crate) fn outermost(points: &[[f32; 3]], centre: Vec3) -> Vec<[f32; 3]> {
     let centre = centre.as_dvec3();
     let directions: Vec<DVec3> = directions().collect();
@@ -287,6 +291,19 @@ mod tests {
                     let [x, y] = [(camera.right, 0), (camera.up, 1)].map(|(way, axis)| p.dot(way) * camera.scale[axis]);
                     assert!(x.abs().max(y.abs()) < distance, "{options}: {degrees}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn a_needle_along_the_view_is_behind_the_near_plane() {
+        let needle: [[f32; 3]; 3] = [[1e-5, 0.0, 5.0], [-1e-5, 0.0, 5.0], [0.0, 1e-5, -5.0]];
+        let bounds = Bounds::of(needle).expect("it is finite");
+        for options in ["--view front", "--view front --target 0,0,0", "--view front --target 0,0,-4000"] {
+            let camera = camera(&args(options), 17.0, &bounds, needle.into_iter()).expect("it has an eye");
+            for point in needle {
+                let ahead = (Vec3::from(point) - camera.eye).dot(camera.forward);
+                assert!(ahead > camera.near, "{options}: {ahead} before {}", camera.near);
             }
         }
     }

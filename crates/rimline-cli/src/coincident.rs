@@ -15,6 +15,12 @@ pub(crate) fn corners<'a>(
     faces.iter().map(|face| face.map(|v| positions[v as usize]))
 }
 
+/// Whether a face has all of its corners, and all are finite.
+pub(crate) fn is_finite(positions: &[[f32; 3]], face: &[u32; 3]) -> bool {
+    let mut corners = face.iter().map(|&v| positions.get(v as usize));
+    corners.all(|corner| corner.is_some_and(|corner| corner.iter().all(|c| c.is_finite())))
+}
+
 /// Faces of which others in the same place run the other way around.
 pub(crate) struct Coincident {
     /// For each face that coincides with a turned one, that one.

@@ -31,11 +31,12 @@ pub(crate) enum Wanted {
 
 impl From<&str> for Wanted {
     fn from(text: &str) -> Self {
-        match text {
+        // Letters may be of either case, as in names.
+        match &*text.to_lowercase() {
             "auto" => Self::Auto,
             "gpu" => Self::Gpu,
             "cpu" => Self::Cpu,
-            name => Self::Named(name.to_owned()),
+            _ => Self::Named(text.to_owned()),
         }
     }
 }

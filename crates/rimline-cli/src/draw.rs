@@ -6,14 +6,13 @@ mod outline_picture;
 use std::thread::ScopedJoinHandle;
 
 use rimline::gpu::{Extractor, ExtractorOptions, ListOptions, Use};
-use rimline::internals::cpu::is_finite;
 use rimline::{Mesh, MeshError, wgpu};
 use rimline_picture::{Bounds, Camera, corner_normals};
 use serde_json::json;
 
 use crate::args::DrawArgs;
 use crate::camera::{camera, elevation};
-use crate::coincident::{Coincident, corners};
+use crate::coincident::{Coincident, corners, is_finite};
 use crate::coordinates::add_origin;
 use crate::device::{self, Gpu, GpuError, On as _, Wanted};
 use crate::failure::{DRAW_ON_CPU, Failure, NO_AREA, NO_FINITE_FACE};
@@ -92,35 +91,22 @@ fn draw(
         let world = positions.read(gpu, &scene.shape).on(gpu)?;
 
         progress.step("drawing");
-        let is_drawn = |face: &&[u32; 3]| face.iter().all(|&v| is_finite(world[v as usize]));
-        let mut faces: Vec<[u32; 3]> = scene.mesh.faces().iter().filter(is_drawn).copied().collect();
-        let colors = if args.plain { None } else { posed.input.corner_colors(&scene.shape) };
-        let mut colors = colors.map(|colors| {
-            let drawn = colors.into_iter().zip(scene.mesh.faces()).filter(|(_, face)| is_drawn(face));
-            drawn.map(|(colors, _)| colors).collect::<Vec<_>>()
-        });
-        let corners = || faces.iter().flatten().map(|&v| &world[v as usize]);
-        let file = &posed.input.file;
-        let none = if scene.mesh.faces().is_empty() { NO_AREA } else { NO_FINITE_FACE };
-        let bounds = Bounds::of(corners()).ok_or_else(|| Failure::input(file, none))?;
-        check_bounds(&bounds).map_err(|error| Failure::input(file, error))?;
-        let view = posed.input.view(&args.view, posed.time_s())?;
-        let camera = camera(&view, elevation(ELEVATION, &bounds), &bounds, corners().copied())?;
-
-        let sheet = coincident_faces(&world, &mut faces, &mut colors, &camera);
-        let sheet = sheet.map_err(|error| Failure::input(file, error))?;
+        let mut drawn = DrawnFaces::of(args, posed, scene, &world);
+        let (bounds, camera) = bounds_and_camera(args, posed, scene, drawn.points(&world))?;
+        let sheet = coincident_faces(&world, &mut drawn, &camera);
+        let sheet = sheet.map_err(|error| Failure::input(&posed.input.file, error))?;
         let outlined = sheet.as_ref().filter(|_| scene.mesh.polygons().is_none()).unwrap_or(&scene.mesh);
 
         let survey_scale = outline_picture::survey_scale(args.view.size, gpu.device.limits().max_texture_dimension_2d);
-        let flags = [args.show_boundary, colors.is_some()];
+        let flags = [args.show_boundary, drawn.colors.is_some()];
         let frame = Frame::new(&camera, args.view.size, &bounds, survey_scale, flags);
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let record = || {
             let canvas = Canvas::new(&factory, (&frame, &bounds), args.view.size);
             let mut encoder = gpu.encoder("model");
-            let (normals, buffer) = (corner_normals(&world, &faces), positions.buffer().buffer);
-            let corners = (&*faces, &*normals, colors.as_deref());
-            let drawn = canvas.model(&mut encoder, &joined(model_pipelines), buffer, corners);
+            let (normals, buffer) = (corner_normals(&world, &drawn.faces), positions.buffer().buffer);
+            let corners = (&*drawn.faces, &*normals, drawn.colors.as_deref());
+            let faces = canvas.model(&mut encoder, &joined(model_pipelines), buffer, corners);
             gpu.submit(encoder);
 
             let mut extractor = Extractor::new(&gpu.pipelines, outlined, options())?;
@@ -129,7 +115,7 @@ fn draw(
             gpu.submit(encoder);
 
             let mut encoder = gpu.encoder("lines");
-            let texture = canvas.lines(&mut encoder, &joined(line_pipelines), &extraction, [buffer, &drawn])?;
+            let texture = canvas.lines(&mut encoder, &joined(line_pipelines), &extraction, [buffer, &faces])?;
             gpu.submit(encoder);
             Ok(texture)
         };
@@ -153,15 +139,52 @@ fn joined<T>(thread: ScopedJoinHandle<'_, T>) -> T {
     thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
+/// The faces that are drawn, and a base colour for each of their corners.
+struct DrawnFaces {
+    faces: Vec<[u32; 3]>,
+    colors: Option<Vec<[u32; 3]>>,
+}
+
+impl DrawnFaces {
+    /// The faces with finite positions.
+    fn of(args: &DrawArgs, posed: &PosedInput<'_>, scene: &Scene<'_>, world: &[[f32; 3]]) -> Self {
+        let is_drawn = |face: &[u32; 3]| is_finite(world, face);
+        let faces = scene.mesh.faces();
+        let colors = if args.plain { None } else { posed.input.corner_colors(&scene.shape) };
+        let colors = colors.map(|colors| {
+            let drawn = colors.into_iter().zip(faces).filter(|(_, face)| is_drawn(face));
+            drawn.map(|(colors, _)| colors).collect()
+        });
+        Self { faces: faces.iter().copied().filter(is_drawn).collect(), colors }
+    }
+
+    /// The positions of their corners.
+    fn points<'a>(&'a self, world: &'a [[f32; 3]]) -> impl Iterator<Item = [f32; 3]> + Clone + 'a {
+        corners(world, &self.faces).flatten()
+    }
+}
+
+/// The box around `points`, and a camera that sees them.
+fn bounds_and_camera(
+    args: &DrawArgs,
+    posed: &PosedInput<'_>,
+    scene: &Scene<'_>,
+    points: impl Iterator<Item = [f32; 3]> + Clone,
+) -> Result<(Bounds, Camera), Failure> {
+    let file = &posed.input.file;
+    let none = if scene.mesh.faces().is_empty() { NO_AREA } else { NO_FINITE_FACE };
+    let bounds = Bounds::of(points.clone()).ok_or_else(|| Failure::input(file, none))?;
+    check_bounds(&bounds).map_err(|error| Failure::input(file, error))?;
+    let view = posed.input.view(&args.view, posed.time_s())?;
+    let camera = camera(&view, elevation(ELEVATION, &bounds), &bounds, points)?;
+    Ok((bounds, camera))
+}
+
 /// Where faces coincide with turned ones, leaves those that are turned away from the eye out of the faces to draw, and
 /// returns a mesh of the surface without its second side. Else an edge between the sides of one face would be on the
 /// outline.
-fn coincident_faces(
-    world: &[[f32; 3]],
-    faces: &mut Vec<[u32; 3]>,
-    colors: &mut Option<Vec<[u32; 3]>>,
-    camera: &Camera,
-) -> Result<Option<Mesh>, MeshError> {
+fn coincident_faces(world: &[[f32; 3]], drawn: &mut DrawnFaces, camera: &Camera) -> Result<Option<Mesh>, MeshError> {
+    let DrawnFaces { faces, colors } = drawn;
     let Some(found) = Coincident::of(corners(world, faces)) else { return Ok(None) };
     let numbered = || faces.iter().copied().enumerate();
     let one_sided = numbered().filter(|&(number, _)| found.is_first(number)).map(|(_, face)| face).collect();

@@ -4,11 +4,9 @@ use std::borrow::Cow;
 use std::io::{self, Seek, Write};
 use std::time::Instant;
 
-use rimline::gpu::{Extractor, ExtractorOptions, StageTimer};
-use rimline::internals::Method;
-use rimline::internals::cpu::{self, Extraction, FacingStatistics, Threads};
-use rimline::internals::layout::{EdgeMasks, ExtractionStatistics};
-use rimline::internals::light::batches;
+use rimline::cpu::{EdgeMasks, Extraction, FacingStatistics, Threads};
+use rimline::gpu::{ExtractionStatistics, Extractor, ExtractorOptions, StageTimer};
+use rimline::internals::{Method, cpu};
 use rimline::mesh::{EdgeCounts, EdgeKind, Polygons};
 use rimline::{Displacement, Light, Mesh, Origin, Predicate, wgpu};
 use rimline_bench::error_metrics::light_counts;
@@ -325,7 +323,7 @@ pub(crate) fn write_arrays(
     found: &Found<'_>,
     origin: Origin,
 ) -> io::Result<()> {
-    let (faces, edges, words) = (mesh.face_count(), mesh.edges().len(), batches(lights.len()));
+    let (faces, edges, words) = (mesh.face_count(), mesh.edges().len(), lights.len().div_ceil(32));
     let mut npz = NpzWriter::new(file);
     npz.slice("positions", ElementType::F32, &[found.positions.len(), 3], &found.positions)?;
     npz.slice("faces", ElementType::U32, &[mesh.faces().len(), 3], mesh.faces())?;

@@ -281,7 +281,12 @@ pub(crate) fn read(file: &Path, memory_limit: u64) -> Result<Vec<u8>, FileError>
 
 pub(crate) fn read_text(file: &Path) -> Result<String, Failure> {
     let text = |bytes| String::from_utf8(bytes).map_err(|_| io::Error::other("it is not UTF-8 text").into());
-    read(file, MAX_STDIN_BYTES).and_then(text).map_err(|error| Failure::input(file, error))
+    let mut text = read(file, MAX_STDIN_BYTES).and_then(text).map_err(|error| Failure::input(file, error))?;
+    // Editors of Windows begin files with a mark of the order of bytes.
+    if text.starts_with('\u{feff}') {
+        text.replace_range(..'\u{feff}'.len_utf8(), "");
+    }
+    Ok(text)
 }
 
 /// The input's metadata. For `-` it is the metadata of standard input: a file, a pipe or a terminal.

@@ -5,11 +5,11 @@ mod folder;
 
 use std::path::Path;
 
-use rimline::internals::layout::ShadowStatistics;
+use rimline::gpu::ShadowStatistics;
 use serde_json::json;
 
 use crate::camera::swept;
-use crate::device::{On as _, describe};
+use crate::device::{Gpu, On as _, describe};
 use crate::failure::Failure;
 use crate::image::Picture;
 use crate::input::{Input, settle};
@@ -34,10 +34,7 @@ const ORBIT_SECONDS: f32 = 4.0;
 pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let scene = &args.scene;
     scene.check()?;
-    let mut film: Box<dyn Film> = match Format::of(&args.out) {
-        Some(format) => Box::new(Clip::begin(args, format)?),
-        None => Box::new(Frames::begin(args)?),
-    };
+    let mut film = begin(args)?;
     let progress = Progress::start();
     progress.step("reading the models");
     let mut props = ShadowInputs::read(scene)?;
@@ -46,7 +43,6 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     }
     settle(&mut props.inputs, scene.posed.pose.time)?;
     let frames = frames(args, &props)?;
-    let time = |frame: u32| scene.posed.pose.time + (f64::from(frame) / f64::from(args.fps)) as f32;
     film.start(frames, &props.files(scene).collect::<Vec<_>>())?;
 
     progress.step("opening the device");
@@ -55,15 +51,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let _compiling = method.compile(&gpu);
     progress.step("looking at the motion");
     let mut bodies = props.bodies(&gpu, scene)?;
-    let mut points = Vec::new();
-    for look in 0..LOOKS.min(frames) {
-        let posed = time((u64::from(look) * u64::from(frames) / u64::from(LOOKS.min(frames))) as u32);
-        bodies.iter_mut().try_for_each(|body| body.pose(&gpu, posed))?;
-        points.extend(bodies.iter().flat_map(PosedModel::points));
-    }
-    if args.orbit.is_some() {
-        points = swept(&points, None);
-    }
+    let points = points_in_motion(args, &gpu, &mut bodies, frames)?;
     let mut set = ShadowScene::new(scene, bodies, &points, args.orbit.is_some(), None)?;
     let (first, axis) = (set.camera, set.orbit_axis());
     let resources = RenderResources::new(&gpu, scene.view.size, set.samples());
@@ -78,10 +66,11 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
             progress.picture_done();
             continue;
         }
-        let still = set.camera_at(time(frame))?.unwrap_or(first);
+        let time = time_of(args, frame);
+        let still = set.camera_at(time)?.unwrap_or(first);
         let turn = |degrees| still.turned(axis, f64::from(degrees) * f64::from(frame) / f64::from(frames));
         set.camera = args.orbit.map_or(still, turn);
-        set.pose(&gpu, time(frame))?;
+        set.pose(&gpu, time)?;
         casters.set_bodies(&set.bodies)?;
         set.cast(&mut casters, None).on(&gpu)?;
         set.count_layers(&mut casters)?;
@@ -96,15 +85,49 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     warn_of_limits(most);
     set.warn_of_depth(&gpu);
     let said = film.finish(frames)?;
-    let [width, height] = scene.view.size;
-    if !args.json {
-        return say(&format!("{said} ({width}×{height})\n"));
+    if args.json {
+        return print(&report(args, &gpu, frames));
     }
+    let [width, height] = scene.view.size;
+    say(&format!("{said} ({width}×{height})\n"))
+}
+
+fn begin(args: &FilmArgs) -> Result<Box<dyn Film + '_>, Failure> {
+    Ok(match Format::of(&args.out) {
+        Some(format) => Box::new(Clip::begin(args, format)?),
+        None => Box::new(Frames::begin(args)?),
+    })
+}
+
+/// The time of a picture.
+fn time_of(args: &FilmArgs, frame: u32) -> f32 {
+    args.scene.posed.pose.time + (f64::from(frame) / f64::from(args.fps)) as f32
+}
+
+/// Points that the camera must see: those of the bodies at some times of the film, for an orbit at all turns.
+fn points_in_motion(
+    args: &FilmArgs,
+    gpu: &Gpu,
+    bodies: &mut [PosedModel<'_>],
+    frames: u32,
+) -> Result<Vec<[f32; 3]>, Failure> {
+    let looks = LOOKS.min(frames);
+    let mut points = Vec::new();
+    for look in 0..looks {
+        let frame = u64::from(look) * u64::from(frames) / u64::from(looks);
+        let time = time_of(args, frame as u32);
+        bodies.iter_mut().try_for_each(|body| body.pose(gpu, time))?;
+        points.extend(bodies.iter().flat_map(PosedModel::points));
+    }
+    Ok(if args.orbit.is_some() { swept(&points, None) } else { points })
+}
+
+fn report(args: &FilmArgs, gpu: &Gpu, frames: u32) -> String {
     let report = json!({
         "adapter": describe(&gpu.info), "out": args.out.display().to_string(), "frames": frames, "fps": args.fps,
-        "size": scene.view.size,
+        "size": args.scene.view.size,
     });
-    print(&format!("{report:#}\n"))
+    format!("{report:#}\n")
 }
 
 trait Film {

@@ -5,8 +5,8 @@ mod seams;
 
 use std::fmt::{Display, Write as _};
 
+use rimline::cpu::{Boundary, Orientation};
 use rimline::gltf::{AnimationInfo, Asset, SceneLight, SceneLightKind, SkippedPrimitives};
-use rimline::internals::cpu::{Boundary, Orientation};
 use rimline::mesh::EdgeCounts;
 use rimline::{Light, Mesh, Origin};
 use rimline_files::Polygons;
@@ -123,63 +123,9 @@ impl Text {
 
     fn mesh(&mut self, title: impl Display, report: &MeshReport) {
         let _ = writeln!(self.0, "\n{title}");
-        let at = |position| point(position, report.origin);
-        let weld = report.vertices;
-        let mut vertices = weld.after.to_string();
-        if weld.before != weld.after {
-            let _ = write!(vertices, ", welded from {}", weld.before);
-        }
-        if weld.apart > 0 {
-            let _ = write!(vertices, ", {} kept apart by their skin or morph data", weld.apart);
-        }
-        self.line("vertices", vertices);
-        let diagnostics = &report.diagnostics;
-        let copies = match diagnostics.flipped_faces {
-            0 => "duplicate".to_owned(),
-            flipped => format!("duplicate ({flipped} flipped, so that both sides are fronts)"),
-        };
-        let (degenerate, collapsed) = (diagnostics.degenerate_faces, "of them collapsed by welding");
-        let faces = [(degenerate, "degenerate"), (weld.collapsed, collapsed), (diagnostics.duplicate_faces, &copies)];
-        self.line("faces", counted(report.faces, &faces));
-        let EdgeCounts { consistent, inconsistent, boundary } = diagnostics.edges;
-        let mut edges = counted(
-            consistent + inconsistent + boundary,
-            &[(consistent, "consistent"), (inconsistent, "inconsistent"), (boundary, "boundary")],
-        );
-        if diagnostics.non_manifold_edges > 0 {
-            let _ = write!(edges, "; more than two faces at {} of them", diagnostics.non_manifold_edges);
-        }
-        self.line("edge records", edges);
-        self.line("parts", diagnostics.components);
-        match report.why_open() {
-            None if report.faces == 0 => self.line("closed", "nothing to close: no faces"),
-            None if report.faces == degenerate => self.line("closed", "nothing to close: no face has an area"),
-            None => self.line("closed", "yes"),
-            Some(why) => self.line("closed", format!("no: {why}")),
-        }
-        let inward = diagnostics.inward_components.unwrap_or(0);
-        if let Some(found) = INWARD.of(inward) {
-            self.more(format!(
-                "{found}: {} faces are clockwise from outside",
-                if inward == 1 { "its" } else { "their" }
-            ));
-        }
-        if let Some(seams) = &report.seams {
-            self.more(seams.text());
-        }
-        if report.t_junctions > 0 {
-            self.more(format!("{} T-junctions: vertices on boundary edges that end elsewhere", report.t_junctions));
-        }
-        for (edge, [a, b]) in diagnostics.listed_edges.iter().zip(&report.listed_positions) {
-            let [va, vb] = edge.vertices;
-            let kind = kind_name(edge.kind);
-            self.more(format!("  {kind} edge {va}-{vb}, {} to {}", at(*a), at(*b)));
-        }
-        let listed = diagnostics.listed_edges.len();
-        let all = inconsistent + boundary;
-        if listed > 0 && all > listed {
-            self.more(format!("  and {} more", all - listed));
-        }
+        self.elements(report);
+        self.closedness(report);
+        self.listed_edges(report);
         for (index, advice) in report.advice().into_iter().enumerate() {
             self.line(if index == 0 { "to do" } else { "" }, advice);
         }
@@ -190,7 +136,75 @@ impl Text {
             self.line("morph targets", report.morph_targets);
         }
         if let Some(Bounds { min, max }) = report.bounds {
-            self.line("bounds", format!("{} to {}", at(min.into()), at(max.into())));
+            let [min, max] = [min, max].map(|corner| point(corner.into(), report.origin));
+            self.line("bounds", format!("{min} to {max}"));
+        }
+    }
+
+    /// How many vertices, faces, edges and parts.
+    fn elements(&mut self, MeshReport { vertices: weld, faces, diagnostics, .. }: &MeshReport) {
+        let mut vertices = weld.after.to_string();
+        if weld.before != weld.after {
+            let _ = write!(vertices, ", welded from {}", weld.before);
+        }
+        if weld.apart > 0 {
+            let _ = write!(vertices, ", {} kept apart by their skin or morph data", weld.apart);
+        }
+        self.line("vertices", vertices);
+        let copies = match diagnostics.flipped_faces {
+            0 => "duplicate".to_owned(),
+            flipped => format!("duplicate ({flipped} flipped, so that both sides are fronts)"),
+        };
+        let by_kind = [
+            (diagnostics.degenerate_faces, "degenerate"),
+            (weld.collapsed, "of them collapsed by welding"),
+            (diagnostics.duplicate_faces, &copies),
+        ];
+        self.line("faces", counted(*faces, &by_kind));
+        let EdgeCounts { consistent, inconsistent, boundary } = diagnostics.edges;
+        let by_kind = [(consistent, "consistent"), (inconsistent, "inconsistent"), (boundary, "boundary")];
+        let mut edges = counted(consistent + inconsistent + boundary, &by_kind);
+        if diagnostics.non_manifold_edges > 0 {
+            let _ = write!(edges, "; more than two faces at {} of them", diagnostics.non_manifold_edges);
+        }
+        self.line("edge records", edges);
+        self.line("parts", diagnostics.components);
+    }
+
+    /// Whether the mesh is closed, and what seams are left open.
+    fn closedness(&mut self, report: &MeshReport) {
+        match report.why_open() {
+            None if report.faces == 0 => self.line("closed", "nothing to close: no faces"),
+            None if report.faces == report.diagnostics.degenerate_faces => {
+                self.line("closed", "nothing to close: no face has an area");
+            }
+            None => self.line("closed", "yes"),
+            Some(why) => self.line("closed", format!("no: {why}")),
+        }
+        let inward = report.diagnostics.inward_components.unwrap_or(0);
+        if let Some(found) = INWARD.of(inward) {
+            let whose = if inward == 1 { "its" } else { "their" };
+            self.more(format!("{found}: {whose} faces are clockwise from outside"));
+        }
+        if let Some(seams) = &report.seams {
+            self.more(seams.text());
+        }
+        if report.t_junctions > 0 {
+            self.more(format!("{} T-junctions: vertices on boundary edges that end elsewhere", report.t_junctions));
+        }
+    }
+
+    /// The first edges that are not consistent, and how many more there are.
+    fn listed_edges(&mut self, MeshReport { diagnostics, listed_positions, origin, .. }: &MeshReport) {
+        for (edge, positions) in diagnostics.listed_edges.iter().zip(listed_positions) {
+            let [a, b] = positions.map(|position| point(position, *origin));
+            let [va, vb] = edge.vertices;
+            self.more(format!("  {} edge {va}-{vb}, {a} to {b}", kind_name(edge.kind)));
+        }
+        let listed = diagnostics.listed_edges.len();
+        let all = diagnostics.edges.inconsistent + diagnostics.edges.boundary;
+        if listed > 0 && all > listed {
+            self.more(format!("  and {} more", all - listed));
         }
     }
 }
@@ -320,7 +334,7 @@ impl PolygonReport {
             };
             report.nonplanar += usize::from(!boundary.is_planar());
             for (counts, light) in report.seen.iter_mut().zip(lights) {
-                let (found, _) = boundary.orientation(light.to_array());
+                let found = boundary.orientation(*light);
                 counts.iter_mut().zip(SEEN).for_each(|(count, (way, ..))| *count += usize::from(found == way));
             }
         }

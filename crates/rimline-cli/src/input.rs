@@ -5,14 +5,13 @@ use std::ops::Deref;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use rimline::cpu::{self, Threads};
 use rimline::gltf::{CameraProjection, GltfError, SceneCamera, SceneLight};
 use rimline::gpu::{Deformer, DeformerOptions, DeviceError, PoseInputs, PositionBuffer, StageTimer};
-use rimline::internals::cpu::{self, Threads};
-use rimline::internals::light::check_lights;
 use rimline::mesh::Weld;
 use rimline::{
     Displacement, Geometry, GeometryOptions, Instance, InstancePose, Light, LightError, MAX_LIGHTS, Mesh, MeshError,
-    Model, ModelError, Origin, Pose, wgpu,
+    Model, ModelError, Origin, Pose, check_lights, wgpu,
 };
 use rimline_files::{File, FileError, ReadOptions, read_bytes, resting};
 use rimline_picture::corner_colors;

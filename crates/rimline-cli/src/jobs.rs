@@ -79,6 +79,11 @@ impl Many {
     /// Many jobs, if the command line asks for them. A line with an error asks for none, and its own parser tells the error.
     pub(crate) fn given(arguments: &[OsString]) -> Option<Self> {
         const UNSET: Resettable<clap::Id> = Resettable::Reset;
+        // `-q` may come first. The definitions below take a while.
+        let named = arguments.iter().skip(1).find(|argument| !argument.as_encoded_bytes().starts_with(b"-"))?;
+        if !COMMANDS.iter().any(|(command, _)| named == command) {
+            return None;
+        }
         let optional = |arg: Arg| arg.required(false).required_unless_present(UNSET).requires(UNSET);
         let mut cli = COMMANDS
             .iter()
@@ -264,9 +269,7 @@ impl Many {
         let part = |part: Option<&std::ffi::OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
         let parts = [format!("{index:04}"), part(first.file_name()), part(first.file_stem())];
         let named = |value: OsString| match value.to_str() {
-            Some(text) => {
-                PATTERNS.iter().zip(&parts).fold(text.to_owned(), |text, (p, part)| text.replace(p, part)).into()
-            }
+            Some(text) => filled(text, &parts).into(),
             None => value,
         };
         for (option, name) in results(&options) {
@@ -358,6 +361,17 @@ fn results(options: &Options) -> impl Iterator<Item = (&'static str, Cow<'_, str
         let values = options.get(option).into_iter().flatten().flatten();
         values.map(move |value| (option, value.to_string_lossy()))
     })
+}
+
+/// A name with the parts in the place of [`PATTERNS`]. What looks like a pattern in a part stays.
+fn filled(name: &str, parts: &[String; 3]) -> String {
+    let (mut text, mut rest) = (String::new(), name);
+    let next = |rest: &str| (0..3).filter_map(|of| Some((rest.find(PATTERNS[of])?, of))).min();
+    while let Some((at, of)) = next(rest) {
+        text.extend([&rest[..at], parts[of].as_str()]);
+        rest = &rest[at + PATTERNS[of].len()..];
+    }
+    text + rest
 }
 
 /// Words in braces.

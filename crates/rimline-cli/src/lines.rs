@@ -186,12 +186,6 @@ fn read(args: &LinesArgs) -> Result<Vec<Input>, Failure> {
     Ok(inputs)
 }
 
-/// Whether all corners of a face are finite.
-fn is_finite(object: &Object<'_>, face: &[u32; 3]) -> bool {
-    let mut corners = face.iter().map(|&vertex| object.positions.get(vertex as usize));
-    corners.all(|corner| corner.is_some_and(|corner| corner.iter().all(|c| c.is_finite())))
-}
-
 impl Format {
     /// The format that is asked for, or that the name of the result has. Of numbered drawings the name is a folder's.
     pub(crate) fn of(args: &LinesArgs) -> Result<Self, Failure> {

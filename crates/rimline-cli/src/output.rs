@@ -91,16 +91,23 @@ pub(crate) struct Output {
     file: Option<BufWriter<File>>,
 }
 
+/// `full` is the temporary file once it is complete.
 #[derive(Debug)]
 enum Destination {
     Beside { temporary: TempPath, target: PathBuf },
-    Through { to: File, is_cut: bool },
+    Through { to: File, is_cut: bool, full: Option<File> },
 }
 
 impl Output {
     /// Starts a file; done before any long work, so that an unwritable place is known at once.
     pub(crate) fn create(target: &Path) -> Result<Self, Failure> {
         Self::start(target).map_err(Failure::output(target))
+    }
+
+    /// Whether a file can be made. A pipe is not opened, because its reader would take it for the end when it is closed.
+    pub(crate) fn check(target: &Path) -> Result<(), Failure> {
+        let is_other = std::fs::metadata(target).is_ok_and(|there| !there.is_file() && !there.is_dir());
+        if is_other { Ok(()) } else { Self::create(target).map(drop) }
     }
 
     fn start(name: &Path) -> io::Result<Self> {
@@ -111,7 +118,8 @@ impl Output {
             }
             Target::Through(to, is_cut) => {
                 // Archives are written back and forth, which pipes cannot.
-                (Destination::Through { to, is_cut }, tempfile::tempfile().map_err(|error| on_the_way(&error))?)
+                let file = tempfile::tempfile().map_err(|error| on_the_way(&error))?;
+                (Destination::Through { to, is_cut, full: None }, file)
             }
         };
         Ok(Self { name: name.to_owned(), destination, file: Some(BufWriter::with_capacity(1 << 18, file)) })
@@ -126,34 +134,66 @@ impl Output {
 
     /// Lets `write` fill the file and puts it in its place.
     pub(crate) fn finish<E: Into<io::Error>>(
-        mut self,
+        self,
         write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
     ) -> Result<(), Failure> {
-        let complete = |output: &mut Self| -> io::Result<()> {
+        self.fill(write)?.finish()
+    }
+
+    /// Lets `write` fill the file, for results that take their places together.
+    pub(crate) fn fill<E: Into<io::Error>>(
+        mut self,
+        write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
+    ) -> Result<Filled, Failure> {
+        let fill = |output: &mut Self| -> io::Result<()> {
             let Some(mut file) = output.file.take() else { return Ok(()) };
             let written = write(&mut file).map_err(Into::into);
             let written = written.and_then(|()| file.into_inner().map_err(io::IntoInnerError::into_error));
             match &mut output.destination {
+                // Closed before it is renamed: some systems refuse to rename an open file.
+                Destination::Beside { .. } => written?.sync_all()?,
+                Destination::Through { full, .. } => *full = Some(written.map_err(|error| on_the_way(&error))?),
+            }
+            Ok(())
+        };
+        let filled = fill(&mut self);
+        filled.map_err(Failure::output(&self.name))?;
+        Ok(Filled(self))
+    }
+}
+
+/// A result's file that is complete and not yet in its place. It is removed if this is dropped.
+#[must_use]
+#[derive(Debug)]
+pub(crate) struct Filled(Output);
+
+impl Filled {
+    /// Puts results in their places together. Pipes and devices come first, because a rename hardly fails.
+    pub(crate) fn finish_all(mut files: Vec<Self>) -> Result<(), Failure> {
+        files.sort_by_key(|Self(output)| matches!(output.destination, Destination::Beside { .. }));
+        files.into_iter().try_for_each(Self::finish)
+    }
+
+    fn finish(mut self) -> Result<(), Failure> {
+        let finish = |destination: &mut Destination| -> io::Result<()> {
+            match destination {
                 Destination::Beside { temporary, target } => {
-                    let file = written?;
-                    file.sync_all()?;
-                    // Closed before it is renamed: some systems refuse to rename an open file.
-                    drop(file);
                     signals::complete(temporary, || std::fs::rename(&*temporary, target))?;
                     temporary.disable_cleanup(true);
                 }
-                Destination::Through { to, is_cut } => {
-                    let mut file = written.map_err(|error| on_the_way(&error))?;
+                Destination::Through { to, is_cut, full } => {
+                    let Some(mut full) = full.take() else { return Ok(()) };
                     if *is_cut {
                         to.set_len(0)?;
                     }
-                    file.rewind()?;
-                    io::copy(&mut file, to)?;
+                    full.rewind()?;
+                    io::copy(&mut full, to)?;
                 }
             }
             Ok(())
         };
-        complete(&mut self).map_err(Failure::output(&self.name))
+        let finished = finish(&mut self.0.destination);
+        finished.map_err(Failure::output(&self.0.name))
     }
 }
 

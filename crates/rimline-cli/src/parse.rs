@@ -3,7 +3,7 @@
 #[cfg(test)]
 mod ranges;
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 
 use clap::CommandFactory;
 
@@ -12,6 +12,10 @@ use crate::args::Cli;
 /// Joins an option with a value that begins as a negative number does: `--dangling -1,3` becomes `--dangling=-1,3`. clap
 /// would look for an option `-1`, and could not say what is wrong with the value. The first argument is the program's name.
 pub(crate) fn joined(arguments: Vec<OsString>) -> Vec<OsString> {
+    // The definitions of all commands take longer to make than a small model takes.
+    if !arguments.iter().any(|argument| is_negative(argument)) {
+        return arguments;
+    }
     let cli = Cli::command();
     // `-q` may come first.
     let mut names = arguments.iter().skip(1).skip_while(|argument| argument.as_encoded_bytes().starts_with(b"-"));
@@ -22,13 +26,6 @@ pub(crate) fn joined(arguments: Vec<OsString>) -> Vec<OsString> {
             let names = option.get_long_and_visible_aliases().unwrap_or_default();
             option.get_action().takes_values() && names.contains(&name)
         })
-    };
-    let is_negative = |argument: &OsString| {
-        let Some(number) = argument.as_encoded_bytes().strip_prefix(b"-") else { return false };
-        let is_named = |name: &[u8]| number.get(..name.len()).is_some_and(|start| start.eq_ignore_ascii_case(name));
-        number.first().is_some_and(|first| first.is_ascii_digit() || *first == b'.')
-            || is_named(b"inf")
-            || is_named(b"nan")
     };
     let mut joined: Vec<OsString> = Vec::with_capacity(arguments.len());
     let mut are_options = true;
@@ -43,6 +40,13 @@ pub(crate) fn joined(arguments: Vec<OsString>) -> Vec<OsString> {
         }
     }
     joined
+}
+
+/// Whether it begins as a negative number does.
+fn is_negative(argument: &OsStr) -> bool {
+    let Some(number) = argument.as_encoded_bytes().strip_prefix(b"-") else { return false };
+    let is_named = |name: &[u8]| number.get(..name.len()).is_some_and(|start| start.eq_ignore_ascii_case(name));
+    number.first().is_some_and(|first| first.is_ascii_digit() || *first == b'.') || is_named(b"inf") || is_named(b"nan")
 }
 
 #[cfg(test)]

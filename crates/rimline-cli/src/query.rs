@@ -3,11 +3,10 @@
 use std::io::{self, Seek, Write};
 use std::slice;
 
+use rimline::cpu::{self, Threads};
 use rimline::gpu::{PositionBuffer, QueryPoints, ShadowQuery, ShadowQueryOptions};
-use rimline::internals::cpu::{self, Threads};
-use rimline::internals::light::check_shadow_lights;
 use rimline::mesh::NO_FACE;
-use rimline::{Displacement, Light, MAX_LIGHTS, Mesh, Origin, wgpu};
+use rimline::{Displacement, Light, MAX_LIGHTS, Mesh, Origin, check_shadow_lights, wgpu};
 use rimline_files::FileError;
 use rimline_files::npz::{self, ElementType, NpzWriter, write_origin};
 use serde_json::json;

@@ -24,11 +24,11 @@ use crate::failure::Failure;
 use crate::files::Inputs;
 use crate::image::Picture;
 use crate::input::{Input, note_idle_time, settle};
-use crate::output::{Progress, print, say};
+use crate::output::{Filled, Output, Progress, print, say};
 use crate::report::Times;
 use args::{ShadowArgs, not_orthographic};
 use casters::Casters;
-use casting::{CastInputs, CoveredFaces, PosedModel};
+use casting::{CastInputs, Occlusion, PosedModel};
 use from_depth::FromDepth;
 use pictures::{DrawInputs, Masks, Pictures};
 use report::{Report, ResultFiles};
@@ -72,13 +72,8 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let mut casters = Casters::new(&resources, pipelines, set.samples(), shows_volumes).on(&gpu)?;
     times.add("pipelines", begin.elapsed().as_secs_f64() * 1e3);
     times.measure("topology", || casters.set_bodies(&set.bodies))?;
-    let mut covered = None;
-    if args.hide_covered {
-        progress.step("looking for covered faces");
-        let found = times.measure("covered", || CoveredFaces::find(&set.bodies, &set.ranged()))?;
-        casters.leave_out(&set.bodies, &found)?;
-        covered = Some(found);
-    }
+    let occlusion =
+        args.hide_covered.then(|| leave_out_occluded(&set, &mut casters, &mut times, &progress)).transpose()?;
     progress.step("drawing");
     // Times are for those who ask for them; all others would wait for the work twice.
     if args.json {
@@ -92,8 +87,9 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     }
     drawing.write(&mut files, &mut set, &mut casters, &mut times, &progress)?;
     write_maps(&mut files, &casters, origin)?;
-    let report = Report::read(&set, &casters, covered.as_ref()).on(&gpu)?;
+    let report = Report::read(&set, &casters, occlusion.as_ref()).on(&gpu)?;
     gpu.check()?;
+    Filled::finish_all(std::mem::take(&mut files.filled))?;
     drop(progress);
     warn_of_limits(report.all);
     set.warn_of_depth(&gpu);
@@ -103,7 +99,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     say(&report.text(&files.names, scene.view.size, &times))
 }
 
-/// Refuses lights, cameras and models that do not go together with depth maps or covered faces.
+/// Refuses lights, cameras and models that do not go together with depth maps or occluded faces.
 fn check_set(
     args: &ShadowArgs,
     from_depth: Option<&FromDepth>,
@@ -115,17 +111,30 @@ fn check_set(
         return Err(not_orthographic(if given.is_some() { "--depth" } else { "--from-depth" }));
     }
     given.map_or(Ok(()), |map| from_depth::check_lights(map, &set.shaded_lights, &set.stage, origin))?;
-    check_covered(args, set)?;
+    check_occlusion(args, set)?;
     from_depth.map_or(Ok(()), |from| from.check(&set.ranged(), &set.bodies))
 }
 
-fn check_covered(args: &ShadowArgs, set: &ShadowScene<'_>) -> Result<(), Failure> {
+fn check_occlusion(args: &ShadowArgs, set: &ShadowScene<'_>) -> Result<(), Failure> {
     let Some(body) = set.bodies.iter().find(|body| args.hide_covered && body.has_polygons()) else { return Ok(()) };
     Err(Failure::usage(format!(
         "--hide-covered takes triangles, and {} has polygons; cut its faces into triangles, as those of an .obj are \
          without --polygons, or leave out --hide-covered",
         body.input.file.display()
     )))
+}
+
+/// Finds the occluded faces, which then cast no shadows.
+fn leave_out_occluded(
+    set: &ShadowScene<'_>,
+    casters: &mut Casters<'_>,
+    times: &mut Times,
+    progress: &Progress,
+) -> Result<Occlusion, Failure> {
+    progress.step("looking for covered faces");
+    let found = times.measure("covered", || Occlusion::find(&set.bodies, &set.ranged()))?;
+    casters.leave_out(&set.bodies, &found)?;
+    Ok(found)
 }
 
 /// Runs the stages of extraction and shadow volumes with a triangle, so that shaders are compiled before stages are timed.
@@ -205,7 +214,7 @@ impl Drawing {
         gpu.wait()
     }
 
-    /// Draws and writes the picture, then the masks.
+    /// Draws the picture, then the masks, and fills their files.
     fn write(
         &self,
         files: &mut ResultFiles,
@@ -219,26 +228,26 @@ impl Drawing {
             let draw = || picture(pictures, set, casters, Some(progress));
             let picture = times.measure("picture", draw).on(gpu)?;
             gpu.check()?;
-            output.finish(|file| picture.write_png(file, None))?;
+            files.filled.push(output.fill(|file| picture.write_png(file, None))?);
         }
         let Some(masks) = &self.masks else { return Ok(()) };
-        for (light, output) in files.masks.drain(..).enumerate() {
+        for (light, file) in files.masks.drain(..).enumerate() {
             let draw = || mask(masks, &set.subject(casters), set.samples_of(light));
             let mask = times.measure("masks", draw).on(gpu)?;
             gpu.check()?;
-            output.finish(|file| mask.write_png(file, None))?;
+            files.filled.push(Output::create(&file)?.fill(|to| mask.write_png(to, None))?);
         }
         Ok(())
     }
 }
 
-/// Writes the depth maps of the lights.
+/// Fills the files of the lights' depth maps.
 fn write_maps(files: &mut ResultFiles, casters: &Casters<'_>, origin: Origin) -> Result<(), Failure> {
     let gpu = casters.gpu();
-    for (light, output) in files.maps.drain(..).enumerate() {
+    for (light, file) in files.maps.drain(..).enumerate() {
         if let Some(maps) = casters.shadows.saved_maps(light, origin).on(gpu)? {
             gpu.check()?;
-            output.finish(|file| maps.write(file))?;
+            files.filled.push(Output::create(&file)?.fill(|to| maps.write(to))?);
         }
     }
     Ok(())

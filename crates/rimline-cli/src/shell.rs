@@ -7,7 +7,8 @@ use clap::{Command, CommandFactory};
 
 use crate::args::{Cli, CompletionsArgs, ManArgs};
 use crate::failure::Failure;
-use crate::output::{Folder, Line, Output, printed, say};
+use crate::files::check_folder;
+use crate::output::{Filled, Folder, Line, Output, printed, say};
 
 const NAME: &str = "rimline";
 
@@ -21,16 +22,17 @@ pub(crate) fn completions(args: &CompletionsArgs) -> Result<(), Failure> {
 /// Writes a page for the command and one for each subcommand.
 pub(crate) fn man(args: &ManArgs) -> Result<(), Failure> {
     let folder = &args.folder;
+    check_folder(folder, "the manual is a folder of pages; give the name of a folder")?;
     let _folder = Folder::create(folder)?;
     let mut command = Cli::command().disable_help_subcommand(true);
     command.build();
-    page(folder, command.clone(), NAME)?;
-    let mut count = 1;
+    let mut pages = vec![page(folder, command.clone(), NAME)?];
     for subcommand in command.get_subcommands() {
         let name = format!("{NAME}-{}", subcommand.get_name());
-        page(folder, subcommand.clone(), &name)?;
-        count += 1;
+        pages.push(page(folder, subcommand.clone(), &name)?);
     }
+    let count = pages.len();
+    Filled::finish_all(pages)?;
     say(&format!(
         "wrote {count} pages into {}; `man {}` shows one\n",
         Line(folder.display()),
@@ -38,7 +40,7 @@ pub(crate) fn man(args: &ManArgs) -> Result<(), Failure> {
     ))
 }
 
-fn page(folder: &Path, command: Command, name: &str) -> Result<(), Failure> {
+fn page(folder: &Path, command: Command, name: &str) -> Result<Filled, Failure> {
     let page = clap_mangen::Man::new(command.display_name(name)).title(name.to_uppercase());
-    Output::create(&folder.join(format!("{name}.1")))?.finish(|file| page.render(file))
+    Output::create(&folder.join(format!("{name}.1")))?.fill(|file| page.render(file))
 }

@@ -8,8 +8,7 @@ use std::io::{self, Cursor};
 use std::path::{Path, PathBuf};
 
 use rimline::gltf::LoadOptions;
-use rimline::internals::light::check_lights;
-use rimline::{Light, MAX_LIGHTS, Mesh};
+use rimline::{Light, MAX_LIGHTS, Mesh, check_lights};
 use rimline_files::FileError;
 use rimline_files::npz::{self, Arrays, Difference};
 use rimline_models::check::{Bits, Case, Report as DeviceReport, Row, cases};
@@ -68,8 +67,8 @@ fn archives(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
         let path = entry.map_err(unreadable)?.path();
         let is_archive = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("npz"));
         // Names that begin with a dot are files in the making.
-        let is_hidden = path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
-        if is_archive && !is_hidden {
+        let is_unfinished = path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
+        if is_archive && !is_unfinished {
             files.push(path);
         }
     }

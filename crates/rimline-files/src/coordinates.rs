@@ -1,7 +1,6 @@
 //! Coordinates of text, in `f64`, and the positions in `f32` that are made of them.
 
 use rimline::Origin;
-use rimline::internals::origin::{bounds, smallest};
 
 /// A number. Rounded from `f64` to `f32`, it is the `f32` that is nearest to the text.
 pub(crate) fn number(text: &str) -> Option<f64> {
@@ -42,9 +41,9 @@ pub(crate) fn placed(vertices: Vec<[f64; 3]>, sizes: &[u32], corners: &[u32]) ->
     let vertex = |&v: &u32| vertices.get(v as usize).copied();
     let smallest_edge = || {
         let edges = faces(sizes, corners).flat_map(|face| face.iter().zip(face.iter().cycle().skip(1)));
-        smallest(edges.filter_map(|(a, b)| Some([vertex(a)?, vertex(b)?])))
+        Origin::smallest_edge(edges.filter_map(|(a, b)| Some([vertex(a)?, vertex(b)?])))
     };
-    let bounds = bounds(corners.iter().filter_map(vertex));
+    let bounds = Origin::bounds(corners.iter().filter_map(vertex));
     let origin = bounds.map_or(Origin::ZERO, |bounds| Origin::near(bounds, smallest_edge));
     (vertices.into_iter().map(|vertex| origin.position(vertex)).collect(), origin)
 }

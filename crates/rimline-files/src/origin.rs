@@ -1,7 +1,6 @@
 //! Where a file's model is, and the origin that it needs.
 
 use rimline::gltf::{GltfError, SceneExtent};
-use rimline::internals::origin::bounds;
 use rimline::{Geometry, GeometryOptions, Instance, Model, ModelError, Origin};
 
 use crate::error::FileError;
@@ -111,10 +110,10 @@ fn extent(geometry: &Geometry, origin: Origin) -> Option<SceneExtent> {
     let double = |position: &[f32; 3]| position.map(f64::from);
     let of_faces = |step: usize| {
         let corners = faces.iter().step_by(step).flatten();
-        bounds(corners.filter_map(|&v| positions.get(v as usize).map(double)))
+        Origin::bounds(corners.filter_map(|&v| positions.get(v as usize).map(double)))
     };
     let rounded = |bounds| Origin::ZERO.rounding(bounds);
-    let all = bounds(positions.iter().map(double))?;
+    let all = Origin::bounds(positions.iter().map(double))?;
     if origin.is_zero()
         && let Some(some) = of_faces(1 + faces.len() / 1000)
     {

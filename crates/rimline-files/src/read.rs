@@ -5,7 +5,6 @@ use std::io::{self, BufRead, BufReader, Cursor, Read, Seek};
 use std::path::Path;
 
 use rimline::gltf::{Asset, Colors, GltfError, LoadOptions};
-use rimline::internals::colors;
 use rimline::mesh::Weld;
 use rimline::{Geometry, GeometryOptions, Instance, Mesh, Model, Origin};
 
@@ -195,9 +194,9 @@ fn of_arrays(arrays: npz::Arrays, taken: Polygons, options: &ReadOptions) -> Res
     }
     match &polygons {
         Some(PolygonArrays { loop_sizes, loop_corners, .. }) => {
-            colors::split(&mut colors, &positions, coordinates::faces(loop_sizes, loop_corners));
+            colors.split_seams(&positions, coordinates::faces(loop_sizes, loop_corners));
         }
-        None => colors::split(&mut colors, &positions, faces.iter().map(<[u32; 3]>::as_slice)),
+        None => colors.split_seams(&positions, faces.iter().map(<[u32; 3]>::as_slice)),
     }
     let of_polygons = |colors: &mut Colors, of_triangles: &[u32]| {
         let of = |colors: &Vec<[f32; 3]>| of_triangles.iter().map(|&polygon| colors[polygon as usize]).collect();
@@ -233,7 +232,7 @@ fn of_arrays(arrays: npz::Arrays, taken: Polygons, options: &ReadOptions) -> Res
     }
     let geometry = Geometry::new(positions, faces, GeometryOptions::default())?;
     let (welded, mut weld) = geometry.welded(weld);
-    let colors = colors::welded(colors, geometry.faces(), &welded);
+    let colors = colors.welded(geometry.faces(), &welded);
     drop(geometry);
     weld.collapsed += collapsed;
     Ok(File { weld, described, colors, ..File::in_world(placed(welded)?, origin) })

@@ -55,11 +55,11 @@ pub(crate) fn count(
     tree.visit(
         |row| reach.meets(row),
         |triangle| {
-            let Some(covered) = segment.covered_by(triangle) else { return };
+            let Some(behind) = segment.part_behind(triangle) else { return };
             if triangle.polygon() == Triangle::ALONE {
-                scratch.changes.extend([(covered[0], 1), (covered[1], -1)]);
+                scratch.changes.extend([(behind[0], 1), (behind[1], -1)]);
             } else {
-                scratch.toggles.extend(covered.map(|at| (triangle.polygon(), at)));
+                scratch.toggles.extend(behind.map(|at| (triangle.polygon(), at)));
             }
         },
     );

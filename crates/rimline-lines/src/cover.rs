@@ -99,7 +99,7 @@ impl<'a> Segment<'a> {
 
     /// The part of the line, from 0 to 1, whose points have the triangle strictly between them and the moved eye. `None` if there is
     /// no such part, or `f64` cannot tell its ends apart.
-    pub(crate) fn covered_by(&self, triangle: Triangle) -> Option<[f64; 2]> {
+    pub(crate) fn part_behind(&self, triangle: Triangle) -> Option<[f64; 2]> {
         if self.ends.iter().all(|end| end.is_in_face(triangle.corners)) {
             return None;
         }

@@ -15,6 +15,8 @@ pub(crate) struct Crease {
 }
 
 impl Crease {
+    pub(crate) const RIGHT_ANGLE: Self = Self { cosine: 0.0 };
+
     pub(crate) fn new(degrees: f64) -> Self {
         Self { cosine: libm::cos(degrees.to_radians()).next_up() }
     }
@@ -53,7 +55,7 @@ impl Crease {
         if lengths == BigInt::ZERO {
             return false;
         }
-        // No cosine of an `f64` is nearer to 0 than 2⁻⁵⁴, so it is a multiple of 2⁻¹²⁰.
+        // No cosine of an `f64` is nearer to 0 than 2⁻⁵⁴, but for 0 itself, so it is a multiple of 2⁻¹²⁰.
         let cosine = (self.cosine * 2_f64.powi(120)) as i128;
         let squared = |value: BigInt| if value < BigInt::ZERO { -(&value * &value) } else { &value * &value };
         squared(d) << 240 <= squared(BigInt::from(cosine)) * lengths

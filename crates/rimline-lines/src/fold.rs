@@ -1,9 +1,10 @@
 //! Edges whose faces lie in two half-planes: where a mesh is doubled, its surface is folded there as if each face were one.
 
+use std::iter::once;
+
 use crate::crease::Crease;
 use crate::exact::face_value;
 use crate::object::Object;
-use crate::view::{cross, dot};
 
 /// An edge with several records if its faces lie in two half-planes.
 #[derive(Clone, Copy, Debug)]
@@ -46,10 +47,34 @@ impl Fold {
 
 /// Whether two points are in one half-plane that an edge bounds, exactly. Points in line with the edge are in none.
 pub(crate) fn is_same_half_plane([a, b]: [[f32; 3]; 2], one: [f32; 3], other: [f32; 3]) -> bool {
-    if face_value(a, b, one, other).sign() != 0 {
-        return false;
+    // In one plane the normals are the same or opposite. With the second one turned, the same are opposite.
+    face_value(a, b, one, other).sign() == 0
+        && Crease::RIGHT_ANGLE.is_between(once([a, b, one]), once([a, b, other]), true)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_planes_are_decided_exactly() {
+        const FAR: f32 = (1_u64 << 40) as f32;
+        // The line passes the origin by so little that `f64` puts it on the line.
+        let line = [[FAR, FAR, 0.0], [1.0 + 8.0 * f32::EPSILON, 1.0, 0.0]];
+        let (near, above, below) = ([0.0; 3], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]);
+        for (edge, one, other, is_same) in [
+            (line, near, above, true),
+            (line, near, near, true),
+            (line, near, below, false),
+            (line, above, below, false),
+            (line, near, [0.0, 1.0, 1e-30], false),
+            (line, near, line[0], false),
+            ([[FAR, FAR, 0.0], [1.0, 1.0, 0.0]], near, above, false),
+            ([[1.0; 3]; 2], near, above, false),
+        ] {
+            for [p, q] in [[one, other], [other, one]] {
+                assert_eq!(is_same_half_plane(edge, p, q), is_same, "{edge:?}, {p:?}, {q:?}");
+            }
+        }
     }
-    // In one plane, the normals are the same or opposite.
-    let minus = |p: [f32; 3]| [0, 1, 2].map(|axis| f64::from(p[axis]) - f64::from(a[axis]));
-    dot(cross(minus(b), minus(one)), cross(minus(b), minus(other))) > 0.0
 }

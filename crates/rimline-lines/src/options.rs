@@ -90,9 +90,9 @@ pub struct LineOptions {
     /// The least angle between the normals of two faces that makes a crease, in degrees: 0 to 180. Default: 33. Its
     /// cosine is rounded up to `f64`, and angles are compared with this number exactly.
     pub crease_degrees: f64,
-    /// Lines nearer to a perspective eye than this are left out, and cut there. Faces there still hide what is behind them.
-    /// Default: a thousandth of the greatest depth. No line is cut at less than 1e-13 of the largest coordinate of its ends and the eye,
-    /// since depths are rounded. An eye at infinity has no use for it.
+    /// Lines nearer to a perspective eye than this are left out, and cut there; faces there still hide what is behind
+    /// them. Default: a thousandth of the greatest depth. Depths are rounded, so no line is cut at less than 1e-13 of
+    /// the largest coordinate of its ends and the eye. An eye at infinity has no use for it.
     pub near: Option<f64>,
     /// The part of the page that is drawn. Lines are cut at its border. Default: all. Set it where the eye is inside a
     /// model.

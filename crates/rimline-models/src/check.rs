@@ -241,8 +241,7 @@ fn extent(positions: &[[f32; 3]]) -> ([f32; 3], f32) {
 
 #[cfg(test)]
 mod tests {
-    use rimline::MAX_LIGHTS;
-    use rimline::internals::light::check_lights;
+    use rimline::{MAX_LIGHTS, check_lights};
 
     use super::*;
 

@@ -233,6 +233,23 @@ pub fn glb(json: &[u8], binary: &[u8]) -> Vec<u8> {
 /// quantised sparse mesh instanced on the GPU, lights, and all interpolations.
 pub fn everything() -> Maker {
     let mut maker = Maker::skinned([0, 1, 0, 0], [0.5, 0.25, 0.0, 0.0]);
+    complete_skinned_mesh(&mut maker);
+    let node = add_quantized_fans(&mut maker);
+    maker.push(
+        "cameras",
+        json!({ "name": "eye", "type": "perspective", "perspective": { "yfov": 1, "znear": 0.1, "zfar": 9 } }),
+    );
+    maker.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [{ "type": "spot", "name": "lamp" }] } });
+    maker.json["extensionsUsed"] = json!(["EXT_mesh_gpu_instancing", "KHR_lights_punctual", "KHR_mesh_quantization"]);
+    maker.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
+    add_animation(&mut maker, node);
+    maker.push("scenes", json!({ "nodes": [0, 1, 2, node] }));
+    maker.json["scene"] = json!(0);
+    maker
+}
+
+/// A second influence set, colours, a morph target and inverse bind matrices.
+fn complete_skinned_mesh(maker: &mut Maker) {
     let joints = maker.accessor(U8, "VEC4", 4, &[1, 0, 0, 0].repeat(4));
     let weights = maker.accessor(U8, "VEC4", 4, &[255, 0, 0, 0].repeat(4));
     maker.json["accessors"][weights]["normalized"] = json!(true);
@@ -250,7 +267,10 @@ pub fn everything() -> Maker {
     let identity: Vec<f32> = (0..16).map(|i| if i % 5 == 0 { 1.0 } else { 0.0 }).collect();
     let binds = maker.floats("MAT4", &identity.repeat(2));
     maker.json["skins"][0]["inverseBindMatrices"] = json!(binds);
+}
 
+/// A quantised sparse mesh, and a node with instances of it, a light and a camera. Returns the node.
+fn add_quantized_fans(maker: &mut Maker) -> usize {
     let fan: Vec<u8> = [0_i16, 0, 0, 0, 32767, 0, 0, 0, 32767, 32767, 0, 0, 0, 32767, 0, 0]
         .iter()
         .flat_map(|v| v.to_le_bytes())
@@ -267,7 +287,7 @@ pub fn everything() -> Maker {
     });
     let fan = maker.mesh(&json!({ "attributes": { "POSITION": quantized }, "mode": 6 }));
     let translations = maker.floats("VEC3", &[0.0, 0.0, 0.0, 5.0, 0.0, 0.0, 0.0, 0.0, 5.0]);
-    let node = maker.push(
+    maker.push(
         "nodes",
         json!({
             "mesh": fan,
@@ -278,15 +298,11 @@ pub fn everything() -> Maker {
             },
             "camera": 0,
         }),
-    );
-    maker.push(
-        "cameras",
-        json!({ "name": "eye", "type": "perspective", "perspective": { "yfov": 1, "znear": 0.1, "zfar": 9 } }),
-    );
-    maker.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [{ "type": "spot", "name": "lamp" }] } });
-    maker.json["extensionsUsed"] = json!(["EXT_mesh_gpu_instancing", "KHR_lights_punctual", "KHR_mesh_quantization"]);
-    maker.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
+    )
+}
 
+/// An animation of all interpolations, also of the node.
+fn add_animation(maker: &mut Maker, node: usize) {
     let times = maker.floats("SCALAR", &[0.5, 1.0, 2.5]);
     let turns = maker.floats("VEC4", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.6, 0.8, 0.6, 0.0, 0.0, -0.8]);
     let moves = maker.floats("VEC3", &[0.5; 27]);
@@ -307,7 +323,4 @@ pub fn everything() -> Maker {
             ],
         }),
     );
-    maker.push("scenes", json!({ "nodes": [0, 1, 2, node] }));
-    maker.json["scene"] = json!(0);
-    maker
 }

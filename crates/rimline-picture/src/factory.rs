@@ -1,4 +1,5 @@
-//! Parts that the passes of a picture share: the frame's uniform, and a short way to pipelines.
+//! Parts that all passes of a picture share: the uniform of the frame, and short functions that make pipelines, textures
+//! and passes.
 
 use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState};
 
@@ -8,7 +9,7 @@ use crate::bindings::{UNIFORM, filled, group, layout};
 pub(crate) const ADD: BlendState = blend(BlendFactor::One, BlendFactor::One, BlendOperation::Add);
 /// Multiplies the colour of the target by the drawn colour.
 pub const MULTIPLY: BlendState = blend(BlendFactor::Dst, BlendFactor::Zero, BlendOperation::Add);
-/// The larger of both.
+/// Takes the larger of the drawn colour and that of the target, channel by channel.
 pub const LARGEST: BlendState = blend(BlendFactor::One, BlendFactor::One, BlendOperation::Max);
 
 const fn blend(src_factor: BlendFactor, dst_factor: BlendFactor, operation: BlendOperation) -> BlendState {
@@ -16,7 +17,7 @@ const fn blend(src_factor: BlendFactor, dst_factor: BlendFactor, operation: Blen
     BlendState { color, alpha: color }
 }
 
-/// A texture of one layer, level and sample.
+/// A texture of two dimensions, with one layer, one level and one sample.
 pub fn plain_texture(
     label: &str,
     [width, height]: [u32; 2],
@@ -35,21 +36,21 @@ pub fn plain_texture(
     }
 }
 
-/// All of a texture.
+/// A view of a whole texture.
 pub fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
     texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
-/// WGSL that every pass knows.
+/// WGSL that each prelude begins with: functions, without bindings.
 pub const COMMON: &str = include_str!("common.wgsl");
 
-/// Makes pipelines and bind groups; group 0 is always the frame.
+/// Makes pipelines whose group 0 is the frame, and what they bind.
 #[derive(Debug)]
 pub struct PipelineFactory {
     /// The device.
     pub device: wgpu::Device,
     queue: wgpu::Queue,
-    /// WGSL that declares the frame and what every pass knows.
+    /// [`COMMON`], and the WGSL that declares the frame.
     prelude: String,
     frame_layout: wgpu::BindGroupLayout,
     /// Group 0.
@@ -57,16 +58,16 @@ pub struct PipelineFactory {
     frame: wgpu::Buffer,
 }
 
-/// A pipeline without what they all have alike.
+/// The description of a render pipeline. Settings that are not here are the same in all pipelines.
 #[derive(Clone)]
 pub struct Pass<'a> {
-    /// Its fragment entry point is this name with `_fragment`.
+    /// Its label. Its fragment entry point is this name with `_fragment`.
     pub name: &'static str,
-    /// Prefix of the vertex entry point's name; often the pass's own name.
+    /// Its vertex entry point is this name with `_vertex`; often the same name.
     pub vertex: &'a str,
-    /// After the prelude; entry points are the names with `_vertex` and `_fragment`.
+    /// Its WGSL, which follows the prelude.
     pub source: &'a str,
-    /// Groups 1 and on.
+    /// The layouts of the groups after the frame's: from group 1 on, or from 0 on without a frame.
     pub groups: &'a [&'a wgpu::BindGroupLayout],
     /// The primitives that vertices make.
     pub topology: wgpu::PrimitiveTopology,
@@ -83,7 +84,7 @@ pub struct Pass<'a> {
 }
 
 impl<'a> Pass<'a> {
-    /// Draws triangles of one sample, over what is there.
+    /// Draws triangles that replace the colours of a target with one sample a pixel.
     pub fn new(
         name: &'static str,
         source: &'a str,
@@ -94,7 +95,7 @@ impl<'a> Pass<'a> {
         Self { name, vertex: name, source, groups, topology, format, blend: None, samples: 1, write, depth: None }
     }
 
-    /// The same over the whole target.
+    /// The same with one triangle that covers the target: draw three vertices.
     pub fn over(
         name: &'static str,
         source: &'a str,
@@ -104,7 +105,8 @@ impl<'a> Pass<'a> {
         Self { vertex: "cover", ..Self::new(name, source, groups, format) }
     }
 
-    /// Behind a prelude, which declares group 0.
+    /// The pipeline. `prelude` is the WGSL before the pass's own: with [`COMMON`] for [`Self::over`], and with group 0 if
+    /// `frame` is its layout.
     pub fn pipeline(
         &self,
         device: &wgpu::Device,
@@ -156,7 +158,7 @@ impl PipelineFactory {
         Self { device: device.clone(), queue: queue.clone(), prelude, frame_layout, frame_group, frame }
     }
 
-    /// Another frame, for what is submitted from now on.
+    /// Overwrites the frame, for what is submitted from now on.
     pub fn set_frame(&self, frame: &[u8]) {
         self.write(&self.frame, 0, frame);
     }
@@ -186,7 +188,7 @@ impl PipelineFactory {
         filled((&self.device, &self.queue), label, contents, wgpu::BufferUsages::UNIFORM)
     }
 
-    /// Takes a pipeline, the frame and the groups that follow it.
+    /// Sets a pipeline, the frame and the groups that follow it.
     pub fn bind(&self, pass: &mut wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipeline, groups: &[&wgpu::BindGroup]) {
         pass.set_pipeline(pipeline);
         for (number, group) in (0..).zip([&self.frame_group].iter().chain(groups)) {
@@ -194,7 +196,7 @@ impl PipelineFactory {
         }
     }
 
-    /// Draws vertices with them.
+    /// The same, and draws so many vertices once.
     pub fn draw(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
@@ -206,7 +208,7 @@ impl PipelineFactory {
         pass.draw(0..vertices, 0..1);
     }
 
-    /// A texture that is drawn into.
+    /// A texture that passes draw into, of one layer and level.
     pub fn target(
         &self,
         label: &str,
@@ -220,13 +222,13 @@ impl PipelineFactory {
         self.device.create_texture(&wgpu::TextureDescriptor { sample_count: samples, ..plain })
     }
 
-    /// A pipeline behind the prelude.
+    /// The pipeline of a pass, with the prelude and the frame.
     pub fn pipeline(&self, pass: &Pass<'_>) -> wgpu::RenderPipeline {
         pass.pipeline(&self.device, &self.prelude, Some(&self.frame_layout))
     }
 }
 
-/// Depth is reversed: what is greater is nearer.
+/// A state of depth and stencil, with the same stencil for both sides of faces. Depth is reversed: greater depths are nearer.
 pub fn depth_state(
     format: wgpu::TextureFormat,
     write: bool,
@@ -242,8 +244,8 @@ pub fn depth_state(
     }
 }
 
-/// A pass onto one colour target and a depth buffer. Clears both, depth to the infinitely far, or goes on with what is
-/// there.
+/// A pass onto one colour target, and a depth buffer if there is one. With a colour to `clear` to, it also clears depth to 0,
+/// the farthest, and the stencil to 0. Without, it keeps all of them.
 pub fn color_pass<'e>(
     encoder: &'e mut wgpu::CommandEncoder,
     label: &str,

@@ -1,6 +1,17 @@
 // The ground: four triangles from the point below the eye to the horizon, whose other corners lie at infinity.
 
-@vertex fn ground_vertex(@builtin(vertex_index) vertex: u32) -> @invariant @builtin(position) vec4<f32> {
+struct GroundVertex {
+  @invariant @builtin(position) clip: vec4<f32>,
+  // Whether the light is above the ground. Fragment shaders branch on this: no shader may branch on uniforms alone
+  // (scene.wgsl).
+  @location(0) @interpolate(flat) is_lit: u32,
+}
+
+@vertex fn ground_vertex(@builtin(vertex_index) vertex: u32) -> GroundVertex {
+  return GroundVertex(ground_corner(vertex), u32(is_lit()));
+}
+
+fn ground_corner(vertex: u32) -> vec4<f32> {
   let corner = vertex % 3u;
   if (corner == 0u) {
     let q = vec3<f32>(0.0, frame.ground, 0.0);
@@ -55,8 +66,8 @@ fn is_lit() -> bool {
 }
 
 // Keeps the pixels that the light cannot reach even without casters.
-@fragment fn back_facing_fragment() -> @location(0) vec4<f32> {
-  if (is_lit()) {
+@fragment fn back_facing_fragment(in: GroundVertex) -> @location(0) vec4<f32> {
+  if (in.is_lit != 0u) {
     discard;
   }
   return vec4<f32>(0.0);
@@ -75,8 +86,8 @@ fn is_lit() -> bool {
   return vec4<f32>(0.0);
 }
 
-@fragment fn mask_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
-  if (!is_lit() || !arriving(ground_point(at.xy).q).reached) {
+@fragment fn mask_fragment(in: GroundVertex) -> @location(0) vec4<f32> {
+  if (in.is_lit == 0u || !arriving(ground_point(in.clip.xy).q).reached) {
     discard;
   }
   return vec4<f32>(1.0);

@@ -26,7 +26,8 @@ pub struct ShadedLight {
     pub samples: Vec<Light>,
     /// The area that the samples are of.
     pub area: Option<AreaLight>,
-    /// The number of the silhouettes that are shown for all samples. `None`: each sample has silhouettes with its own number.
+    /// The index of the lists of silhouettes that overlays show for all samples together. `None`: overlays show each sample
+    /// by itself, and its lists have its index.
     pub shown: Option<u32>,
 }
 
@@ -105,7 +106,7 @@ impl ShadedLight {
                 axis: self.cone.map_or([0.0; 3], |cone| cone.direction),
                 cone_scale,
                 cone_offset,
-                silhouettes: self.shown.unwrap_or(number as u32 % 32),
+                silhouettes: self.shown.unwrap_or(number as u32) % 32,
                 reserved: [0.0; 2],
             }
         })
@@ -216,6 +217,17 @@ mod tests {
         assert_eq!(at(above(), 2.0), [0.5, 1.0, 0.0]);
         let cone = SpotCone { direction: [1.0, 0.0, 0.0], inner_angle: 0.1, outer_angle: 0.5 };
         assert_eq!(at(ShadedLight { cone: Some(cone), ..above() }, f32::INFINITY), [0.5, 1.0, 0.0]);
+    }
+
+    #[test]
+    fn silhouettes_count_from_the_first_of_their_batch() {
+        let (eye, right, up, forward) = (Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::NEG_Z);
+        let camera = Camera { eye, right, up, forward, scale: [1.0; 2], near: 0.1, far: None };
+        for (shown, expected) in [(None, 1), (Some(3), 3), (Some(34), 2)] {
+            let shaded = ShadedLight { shown, ..ShadedLight::new(Light::directional([0.0, 1.0, 0.0])) };
+            let found: Vec<u32> = shaded.data(&camera, 1.0, 33, 40).map(|data| data.silhouettes).collect();
+            assert_eq!(found, [expected], "{shown:?}");
+        }
     }
 
     #[test]

@@ -8,7 +8,7 @@ use crate::factory::{Pass, depth_state};
 use crate::resources::Resources;
 use crate::targets::Target;
 
-/// The shaders of overlays, `volumes` and `edges`, behind the library's include for group 2.
+/// The shaders of overlays, `volumes` and `edges`. They stand after the library's include for group 2.
 pub const OVERLAY: &str = include_str!("overlay.wgsl");
 
 /// A pass that draws an overlay in front of the models. `groups` begin with the light.
@@ -49,7 +49,7 @@ impl VolumeOverlay {
         Self { layout, passes }
     }
 
-    /// Draws the volumes of a light, or of a sample, with the silhouettes of a number.
+    /// Draws the volumes of a light, or of a sample of it. `silhouettes` is the index of its lists in the extraction.
     ///
     /// # Errors
     /// [`ExtractorError`] if there are none.

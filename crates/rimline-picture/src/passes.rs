@@ -323,14 +323,17 @@ mod tests {
         ];
         let branches = |text: &str| {
             let conditions = text.lines().filter_map(|line| line.trim_start().strip_prefix("if ("));
-            let is_of_uniforms = |condition: &&str| {
-                ["frame.", "shaded.", "clay."]
-                    .iter()
-                    .any(|uniform| condition.trim_start_matches('!').starts_with(uniform))
+            // A function without arguments reads nothing else. Both sides of `||` and `&&` are branches.
+            let is_of_uniforms = |term: &str| {
+                let term = term.trim_start_matches(['!', ' ']);
+                term.contains("()") || ["frame.", "shaded.", "clay."].iter().any(|uniform| term.starts_with(uniform))
             };
-            conditions.filter(is_of_uniforms).map(str::to_owned).collect::<Vec<_>>()
+            let are_uniform =
+                |condition: &&str| condition.split("||").flat_map(|all| all.split("&&")).any(is_of_uniforms);
+            conditions.filter(are_uniform).map(str::to_owned).collect::<Vec<_>>()
         };
         assert_eq!(branches("  if (shaded.range > 0.0) {\n  if (x > shaded.range) {"), ["shaded.range > 0.0) {"]);
+        assert_eq!(branches("if (x > y) {\nif (x > y || !is_lit()) {"), ["x > y || !is_lit()) {"]);
         assert_eq!(sources.iter().flat_map(|text| branches(text)).collect::<Vec<_>>(), [""; 0]);
     }
 }

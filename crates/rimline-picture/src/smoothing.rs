@@ -17,6 +17,10 @@ pub struct Smoothing {
 
 /// Faces of all groups that there may be in any mesh. At the tip of a cone each face has neighbours of its own, a third of all.
 const MOST_MEMBERS: usize = 1 << 24;
+/// The most faces, and corners, of a group that one invocation takes, as in `normals.wgsl`.
+const PIECE: u32 = 4096;
+/// Words of a piece of a larger group there. Those behind the sixth are its sum, which the device computes.
+const PIECE_WORDS: usize = 12;
 
 impl Smoothing {
     /// Smooths a mesh by the angles of its faces at these positions. Vertices at one position are one. Where groups would take
@@ -109,13 +113,31 @@ impl Smoothing {
         self.corners.extend(other.corners.iter().map(|&corner| swapped(corner) + first_corner));
         self.starts.extend(other.starts.iter().skip(1).map(|[face, corner]| [face + faces, corner + corners]));
     }
+
+    /// The pieces of groups that are too large for one invocation.
+    fn pieces(&self) -> Vec<[u32; PIECE_WORDS]> {
+        let mut pieces = Vec::new();
+        for (begin, end) in self.starts.iter().zip(self.starts.iter().skip(1)) {
+            let [faces, corners] = [0, 1].map(|kind: usize| end[kind] - begin[kind]);
+            let (count, first) = (faces.max(corners).div_ceil(PIECE), pieces.len() as u32);
+            for number in 0..if count > 1 { count } else { 0 } {
+                let at = |kind: usize, number: u32| end[kind].min(begin[kind] + PIECE * number);
+                let mut words = [0; PIECE_WORDS];
+                words[..4].copy_from_slice(&[at(0, number), at(0, number + 1), at(1, number), at(1, number + 1)]);
+                words[4..6].copy_from_slice(&[first, first + count]);
+                pieces.push(words);
+            }
+        }
+        pieces
+    }
 }
 
 /// Computes normals on the device, from the positions that are there.
 #[derive(Debug)]
 pub struct NormalPipeline {
     layout: wgpu::BindGroupLayout,
-    pipeline: wgpu::ComputePipeline,
+    of_groups: wgpu::ComputePipeline,
+    of_pieces: [wgpu::ComputePipeline; 2],
 }
 
 /// The normals of a mesh on the device.
@@ -125,12 +147,13 @@ pub struct Normals {
     pub buffer: wgpu::Buffer,
     group: wgpu::BindGroup,
     groups: u32,
+    pieces: u32,
 }
 
 impl NormalPipeline {
     /// On a device.
     pub fn new(device: &wgpu::Device) -> Self {
-        let types = [READ_ONLY, READ_ONLY, READ_ONLY, READ_ONLY, READ_ONLY, WRITTEN];
+        let types = [READ_ONLY, READ_ONLY, READ_ONLY, READ_ONLY, READ_ONLY, WRITTEN, WRITTEN];
         let layout = layout(device, wgpu::ShaderStages::COMPUTE, &types);
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("normals"),
@@ -141,15 +164,18 @@ impl NormalPipeline {
             bind_group_layouts: &[Some(&layout)],
             immediate_size: 0,
         });
-        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some("normals"),
-            layout: Some(&pipeline_layout),
-            module: &module,
-            entry_point: Some("normals_of_groups"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            cache: None,
-        });
-        Self { layout, pipeline }
+        let pipeline = |entry_point| {
+            device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(entry_point),
+                layout: Some(&pipeline_layout),
+                module: &module,
+                entry_point: Some(entry_point),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                cache: None,
+            })
+        };
+        let of_pieces = ["sums_of_pieces", "normals_of_pieces"].map(pipeline);
+        Self { layout, of_groups: pipeline("normals_of_groups"), of_pieces }
     }
 
     /// Normals of a mesh with these buffers of positions and faces.
@@ -163,21 +189,31 @@ impl NormalPipeline {
         let starts = stored("starts", smoothing.starts.as_flattened());
         let (members, corners) = (stored("members", &smoothing.faces), stored("corners", &smoothing.corners));
         let buffer = stored("normals", &vec![0; smoothing.corners.len()]);
-        let bound = [positions, faces, &starts, &members, &corners, &buffer].map(wgpu::Buffer::as_entire_binding);
-        let group = group(&factory.device, &self.layout, &bound);
-        Normals { buffer, group, groups: smoothing.starts.len() as u32 - 1 }
+        let mut pieces = smoothing.pieces();
+        let count = pieces.len() as u32;
+        // Bindings are never empty.
+        pieces.resize(pieces.len().max(1), [0; PIECE_WORDS]);
+        let pieces = stored("pieces", pieces.as_flattened());
+        let bound = [positions, faces, &starts, &members, &corners, &buffer, &pieces];
+        let group = group(&factory.device, &self.layout, &bound.map(wgpu::Buffer::as_entire_binding));
+        Normals { buffer, group, groups: smoothing.starts.len() as u32 - 1, pieces: count }
     }
 
     /// Records the computation.
     pub fn encode<'n>(&self, encoder: &mut wgpu::CommandEncoder, normals: impl IntoIterator<Item = &'n Normals>) {
         let descriptor = wgpu::ComputePassDescriptor { label: Some("normals"), timestamp_writes: None };
         let mut pass = encoder.begin_compute_pass(&descriptor);
-        pass.set_pipeline(&self.pipeline);
-        for Normals { group, groups, .. } in normals {
-            let workgroups = groups.div_ceil(64);
-            let across = workgroups.min(65_535);
+        for &Normals { ref group, groups, pieces, .. } in normals {
             pass.set_bind_group(0, group, &[]);
-            pass.dispatch_workgroups(across, workgroups.div_ceil(across.max(1)), 1);
+            let of_pieces = self.of_pieces.iter().map(|pipeline| (pipeline, pieces));
+            for (pipeline, invocations) in [(&self.of_groups, groups)].into_iter().chain(of_pieces) {
+                let workgroups = invocations.div_ceil(64);
+                let across = workgroups.min(65_535);
+                if workgroups > 0 {
+                    pass.set_pipeline(pipeline);
+                    pass.dispatch_workgroups(across, workgroups.div_ceil(across), 1);
+                }
+            }
         }
     }
 }
@@ -210,6 +246,18 @@ mod tests {
         // All share one at the tip, and two each at the ring.
         assert_eq!(fan.faces.len(), 3 * SIDES as usize);
         assert_eq!(fan.corners.len(), 3 * SIDES as usize);
+        // The one at the tip is in pieces, one after the other.
+        let pieces = fan.pieces();
+        let count = SIDES.div_ceil(PIECE);
+        assert_eq!(pieces.len(), count as usize);
+        for at in [0, 2] {
+            let ends: Vec<_> = pieces.iter().map(|piece| [piece[at], piece[at + 1]]).collect();
+            assert!(ends.windows(2).all(|pair| pair[0][1] == pair[1][0]), "{ends:?}");
+            assert!(ends.iter().all(|[begin, end]| end - begin <= PIECE), "{ends:?}");
+            assert_eq!(ends[ends.len() - 1][1] - ends[0][0], SIDES, "{ends:?}");
+        }
+        assert!(pieces.iter().all(|piece| piece[4..6] == [0, count]));
+        assert!(Smoothing::flat(&faces).pieces().is_empty());
     }
 
     #[test]

@@ -121,8 +121,14 @@ fn whole(
     depth: TextureUsages,
 ) -> (Vec<Attachments>, wgpu::TextureView) {
     let Target { format, samples } = format.light();
-    let light = |samples| view(&factory.target("light", size, format, samples, TextureUsages::TEXTURE_BINDING));
-    let (color, resolved) = (light(samples), (samples > 1).then(|| light(1)));
+    let light = |samples, usage| view(&factory.target("light", size, format, samples, usage));
+    let read = TextureUsages::TEXTURE_BINDING;
+    let (color, resolved) = if samples > 1 {
+        // With wgpu 30, OpenGL has no multisampled textures that shaders read, only targets.
+        (light(samples, TextureUsages::empty()), Some(light(1, read)))
+    } else {
+        (light(1, read), None)
+    };
     let depth = view(&factory.target("depth", size, depth_format(&factory.device), samples, depth));
     let light = resolved.as_ref().unwrap_or(&color).clone();
     (vec![Attachments { color, resolved, depth }], light)

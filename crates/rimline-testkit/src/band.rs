@@ -1,6 +1,5 @@
 //! The error bounds of docs/numerics, with its constants. Evaluated in f64, whose own error the last digits cover.
 
-use rimline::internals::model::influence_range;
 use rimline::{Geometry, InstancePose, Light};
 
 use super::oracle::ExactFace;
@@ -171,7 +170,7 @@ pub fn deform_bound(geometry: &Geometry, pose: &InstancePose, vertex: usize) -> 
     }
     let influences: Vec<(u32, f32)> = match geometry.influences() {
         None => vec![(0, 1.0)],
-        Some(of) => influence_range(of, vertex).map(|at| (of.joints()[at], of.weights()[at])).collect(),
+        Some(of) => of.range(vertex).map(|at| (of.joints()[at], of.weights()[at])).collect(),
     };
     let mut sums = [0.0; 3];
     for &(joint, weight) in &influences {

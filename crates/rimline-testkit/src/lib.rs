@@ -11,6 +11,8 @@ pub mod clusters;
 pub mod device;
 pub mod dispatch;
 pub mod files;
+pub mod frame_classes;
+pub mod frames;
 pub mod goldens;
 #[cfg(feature = "harness")]
 pub mod harness;
@@ -30,6 +32,7 @@ pub mod refusals;
 pub mod scenes;
 pub mod shadow_cases;
 pub mod shadow_oracle;
+pub mod shells;
 pub mod stage_probe;
 pub mod textures;
 pub mod turns;

@@ -90,52 +90,20 @@ impl OccludedFaces {
         mut progress: impl FnMut(usize, usize) -> ControlFlow<()>,
     ) -> Result<Self, CpuError> {
         check_shadow_lights(&[light], 1)?;
-        let (mut faces, mut owners, mut facing, mut tried) = (Vec::new(), Vec::new(), Vec::new(), 0);
-        for (number, caster) in casters.iter().enumerate() {
-            let needed = caster.mesh.vertex_count();
-            if caster.positions.len() < needed as usize {
-                let given = caster.positions.len();
-                return Err(CpuError::TooFewCasterPositions { caster: number, given, needed });
-            }
-            let participants = participants(caster, light);
-            let mut is_facing = vec![false; caster.mesh.face_count()];
-            for (number, face) in &participants {
-                if let Some(is_facing) = is_facing.get_mut(*number as usize) {
-                    *is_facing = face.side > 0;
-                }
-            }
-            facing.push(is_facing);
-            owners.extend(participants.iter().map(|&(face, _)| (number, face)));
-            tried += participants.chunk_by(|(before, _), (face, _)| before == face).count();
-            faces.extend(participants.into_iter().map(|(_, face)| face));
-        }
-        let mut of_casters: Vec<OccludedOfCaster> = casters
-            .iter()
-            .map(|caster| OccludedOfCaster {
-                version: caster.version,
-                face_count: caster.mesh.face_count(),
-                faces: Vec::new(),
-            })
-            .collect();
-        let cones = cones(&faces, order(&faces, light), light);
+        let participants = Participants::of(casters, light)?;
+        let faces = &participants.faces;
+        let cones = cones(faces, order(faces, light), light);
         let total = total(&cones);
-        let searched = search(&faces, light, options, &cones, &mut progress).ok_or(CpuError::Cancelled)?;
+        let searched = search(faces, light, options, &cones, &mut progress).ok_or(CpuError::Cancelled)?;
         let mut statistics = OcclusionStatistics {
-            tried,
+            tried: participants.tried,
             undecided: searched.undecided,
             without_room: searched.without_room,
             nodes: searched.nodes,
             ..Default::default()
         };
-        let mut staying = searched.staying.into_iter().peekable();
-        for (index, &(caster, face)) in owners.iter().enumerate() {
-            if staying.next_if_eq(&index).is_none()
-                && let Some(of_caster) = of_casters.get_mut(caster)
-            {
-                of_caster.faces.push(face);
-            }
-        }
-        for ((caster, facing), of_caster) in casters.iter().zip(&facing).zip(&mut of_casters) {
+        let mut of_casters = participants.occluded(casters, searched.staying);
+        for ((caster, facing), of_caster) in casters.iter().zip(&participants.facing).zip(&mut of_casters) {
             if progress(total, total).is_break() {
                 return Err(CpuError::Cancelled);
             }
@@ -171,6 +139,63 @@ impl OccludedFaces {
     #[cfg(feature = "gpu")]
     pub(crate) fn casters(&self) -> &[OccludedOfCaster] {
         &self.casters
+    }
+}
+
+/// The faces of all casters that are searched. A polygon is searched as a fan of triangles.
+#[derive(Default)]
+struct Participants {
+    faces: Vec<Face>,
+    /// For each of `faces` the caster, and the face's index in its mesh.
+    owners: Vec<(usize, u32)>,
+    /// For each caster which faces of its mesh are front-facing. Faces that are not searched count as back-facing.
+    facing: Vec<Vec<bool>>,
+    /// How many faces are searched. A polygon counts once.
+    tried: usize,
+}
+
+impl Participants {
+    fn of(casters: &[OcclusionCaster<'_>], light: Light) -> Result<Self, CpuError> {
+        let mut all = Self::default();
+        for (number, caster) in casters.iter().enumerate() {
+            let needed = caster.mesh.vertex_count();
+            if caster.positions.len() < needed as usize {
+                let given = caster.positions.len();
+                return Err(CpuError::TooFewCasterPositions { caster: number, given, needed });
+            }
+            let participants = participants(caster, light);
+            let mut is_facing = vec![false; caster.mesh.face_count()];
+            for (number, face) in &participants {
+                if let Some(is_facing) = is_facing.get_mut(*number as usize) {
+                    *is_facing = face.side > 0;
+                }
+            }
+            all.facing.push(is_facing);
+            all.owners.extend(participants.iter().map(|&(face, _)| (number, face)));
+            all.tried += participants.chunk_by(|(before, _), (face, _)| before == face).count();
+            all.faces.extend(participants.into_iter().map(|(_, face)| face));
+        }
+        Ok(all)
+    }
+
+    /// For each caster the faces that are not `staying`, whose indices are ascending. A polygon is there once for each of its
+    /// occluded triangles.
+    fn occluded(&self, casters: &[OcclusionCaster<'_>], staying: Vec<usize>) -> Vec<OccludedOfCaster> {
+        let of_caster = |caster: &OcclusionCaster<'_>| OccludedOfCaster {
+            version: caster.version,
+            face_count: caster.mesh.face_count(),
+            faces: Vec::new(),
+        };
+        let mut of_casters: Vec<_> = casters.iter().map(of_caster).collect();
+        let mut staying = staying.into_iter().peekable();
+        for (index, &(caster, face)) in self.owners.iter().enumerate() {
+            if staying.next_if_eq(&index).is_none()
+                && let Some(of_caster) = of_casters.get_mut(caster)
+            {
+                of_caster.faces.push(face);
+            }
+        }
+        of_casters
     }
 }
 

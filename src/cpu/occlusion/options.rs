@@ -5,7 +5,7 @@ use crate::cpu::common::parallel::Threads;
 /// Bounds on the work, and which faces to leave out. Faces that the bounds leave undecided still cast.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OcclusionOptions {
-    /// The most nodes of all trees together. Default: 2²¹. A node takes up to 400 bytes with its planes. Each tree has a
+    /// The most nodes of all trees together, of up to 400 bytes each with its planes. Default: 2²¹. Each tree has a
     /// share by its faces. Once it is full, no further face occludes others, so fewer faces are left out.
     pub max_nodes: usize,
     /// The most nodes and leaves that a face visits in a tree. Default: 4,096. A face that exceeds it still casts.

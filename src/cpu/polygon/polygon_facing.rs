@@ -70,7 +70,7 @@ fn decide(
     };
     let asked = lights.iter().enumerate().filter(|(bit, _)| undecided >> bit & 1 != 0);
     let found = polygon_masks(asked.map(|(bit, light)| {
-        let (seen, is_general) = boundary.orientation(light.to_array());
+        let (seen, is_general) = boundary.decide(light.to_array());
         statistics.undecided_pairs = statistics.undecided_pairs.wrapping_add(u32::from(is_general));
         statistics.exact_zeros = statistics.exact_zeros.wrapping_add(u32::from(seen == Orientation::InPlane));
         (bit, seen)

@@ -7,6 +7,7 @@ use super::many_edges::{MANY_EDGES, many_edges};
 use super::orientation::Orientation;
 use super::polygon_turns::polygon_turns;
 use crate::cpu::common::positions::{is_finite, position};
+use crate::light::Light;
 use crate::mesh::is_loop;
 
 /// The boundary of a polygon at the positions of its corners, without edges of length 0.
@@ -32,13 +33,19 @@ impl Boundary {
         Some(Self { corners: edges.iter().map(|edge| edge[0]).collect(), is_loop: is_loop(&edges), edges })
     }
 
+    /// The side that a finite light sees, exactly. [`Extraction`](crate::cpu::Extraction) has its bits.
+    pub fn orientation(&self, light: Light) -> Orientation {
+        self.decide(light.to_array()).0
+    }
+
     /// The edges that have a length.
     pub fn edges(&self) -> &[[[f32; 3]; 2]] {
         &self.edges
     }
 
     /// The side that the light `(l, w)` sees, and whether the fast test did not decide it.
-    pub fn orientation(&self, light: [f32; 4]) -> (Orientation, bool) {
+    #[doc(hidden)]
+    pub fn decide(&self, light: [f32; 4]) -> (Orientation, bool) {
         if let Some(seen) = if self.is_loop { polygon_turns(&self.corners, light) } else { None } {
             return (seen, false);
         }
@@ -48,11 +55,13 @@ impl Boundary {
 
     /// The same by pairs of edges that are close to each other, as for boundaries of many edges. `None` where this way does
     /// not decide.
+    #[doc(hidden)]
     pub fn orientation_by_close_pairs(&self, light: [f32; 4]) -> Option<Orientation> {
         many_edges(&self.edges, light)
     }
 
     /// The same for every boundary, by all pairs of edges.
+    #[doc(hidden)]
     pub fn orientation_by_pairs(&self, light: [f32; 4]) -> Orientation {
         if self.is_in_plane(light) {
             return Orientation::InPlane;

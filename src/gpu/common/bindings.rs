@@ -18,11 +18,8 @@ impl Bindings {
         for (_, variable) in module.global_variables.iter() {
             let (Some(binding), Some(name)) = (&variable.binding, &variable.name) else { continue };
             let ty = match module.types[variable.ty].inner {
-                naga::TypeInner::Image { class: naga::ImageClass::Depth { multi }, .. } => {
-                    Some(texture_type(wgpu::TextureSampleType::Depth, multi))
-                }
-                naga::TypeInner::Image { class: naga::ImageClass::Sampled { multi: false, kind }, .. } => {
-                    Some(if kind == naga::ScalarKind::Uint { UINT_TEXTURE } else { float_texture(false) })
+                naga::TypeInner::Image { class: naga::ImageClass::Sampled { multi, kind }, .. } => {
+                    Some(if kind == naga::ScalarKind::Uint { UINT_TEXTURE } else { float_texture(multi) })
                 }
                 naga::TypeInner::Image { class: naga::ImageClass::Storage { format, .. }, .. } => {
                     Some(written_type(format))
@@ -162,5 +159,18 @@ mod tests {
         let uniform = wgpu::BufferBindingType::Uniform;
         assert_eq!(found, [(1, uniform, true), (2, storage(true), false), (3, storage(false), false)]);
         assert_eq!(Bindings::of("not WGSL"), Bindings::default());
+    }
+
+    /// naga writes no loads of depth textures for OpenGL. Floats that are not filtered take depth, too.
+    #[test]
+    fn depth_is_bound_as_floats() {
+        for (name, wgsl) in crate::stages::FILES {
+            assert!(!wgsl.contains("texture_depth"), "{name}");
+        }
+        for (wgsl, multisampled) in [("texture_2d<f32>", false), ("texture_multisampled_2d<f32>", true)] {
+            let bindings = Bindings::of(&format!("@group(0) @binding(0) var depth: {wgsl};"));
+            let found: Vec<_> = bindings.named().map(|(_, entry)| entry.ty).collect();
+            assert_eq!(found, [float_texture(multisampled)], "{wgsl}");
+        }
     }
 }

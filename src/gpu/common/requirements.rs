@@ -24,7 +24,7 @@ impl Subject {
         [
             "extraction",
             "drawing shadow volumes or outlines",
-            "the shadow depth query",
+            "the query of occluder counts",
             "deformation",
             "volumes from depth maps",
         ][self as usize]
@@ -68,8 +68,8 @@ pub(crate) const AT_LEAST: [Need; 19] = [
     need!(max_storage_buffers_per_shader_stage, [8, 8, 8, 6, 5]),
     need!(max_sampled_textures_per_shader_stage, [0, 1, 0, 0, 12]),
     need!(max_storage_textures_per_shader_stage, [0, 0, 0, 0, 2]),
-    need!(max_uniform_buffers_per_shader_stage, [2, 2, 3, 1, 2]),
-    need!(max_buffers_and_acceleration_structures_per_shader_stage, [10, 10, 11, 7, 7]),
+    need!(max_uniform_buffers_per_shader_stage, [2, 3, 3, 1, 2]),
+    need!(max_buffers_and_acceleration_structures_per_shader_stage, [10, 11, 11, 7, 7]),
     need!(max_dynamic_uniform_buffers_per_pipeline_layout, [2, 2, 3, 1, 2]),
     need!(max_dynamic_storage_buffers_per_pipeline_layout, [0, 1, 0, 0, 0]),
     need!(max_bind_groups, [1, 2, 1, 1, 1]),

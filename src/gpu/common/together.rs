@@ -1,7 +1,7 @@
-//! Work that is shared by threads: compiling.
+//! Runs jobs on all threads at the same time. Pipelines are compiled so.
 
-/// Does each job once, on as many threads as the machine runs at the same time, the calling one among them. Where no
-/// thread can be started, the calling one does all.
+/// Runs each job once, in no order: on the calling thread, and on as many others as the machine has, but no more threads
+/// than jobs. Where no other thread can be started, the calling one runs all jobs.
 #[cfg(not(target_family = "wasm"))]
 pub(crate) fn together<J: Sync>(jobs: &[J], run: impl Fn(&J) + Sync) {
     use std::sync::atomic::{AtomicUsize, Ordering};
@@ -15,14 +15,14 @@ pub(crate) fn together<J: Sync>(jobs: &[J], run: impl Fn(&J) + Sync) {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     std::thread::scope(|scope| {
         for _ in 1..threads.min(jobs.len()) {
-            // One that cannot be started leaves more for the others.
+            // The jobs of a thread that cannot be started are left for the others.
             let _ = std::thread::Builder::new().name("rimline".into()).spawn_scoped(scope, work);
         }
         work();
     });
 }
 
-/// Does each job once. A browser's device belongs to one thread.
+/// Runs each job once, in order, on the calling thread: a browser's device belongs to one thread.
 #[cfg(target_family = "wasm")]
 pub(crate) fn together<J>(jobs: &[J], run: impl Fn(&J)) {
     jobs.iter().for_each(run);
@@ -35,7 +35,7 @@ mod tests {
     use super::together;
 
     #[test]
-    fn each_job_is_done_once() {
+    fn each_job_runs_once() {
         for count in [0, 1, 2, 100] {
             let jobs: Vec<AtomicUsize> = (0..count).map(|_| AtomicUsize::new(0)).collect();
             together(&jobs, |job| _ = job.fetch_add(1, Ordering::Relaxed));

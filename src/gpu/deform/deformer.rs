@@ -5,11 +5,11 @@ use crate::displace::{DISPLACE_GROUP, Displacement};
 use crate::gpu::common::bindings::{part, uniform, whole};
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
-use crate::gpu::common::memory::{Allocation, check, guarded, scoped};
+use crate::gpu::common::memory::{Allocation, any_error, check, guarded, scoped};
 use crate::gpu::common::pass::{Step, Workgroups, record_with};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines, Program};
 use crate::gpu::common::positions::PositionBuffer;
-use crate::gpu::common::requirements::{Subject, check_timer};
+use crate::gpu::common::requirements::{Subject, check_alive, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, upload};
 use crate::gpu::common::wanted::{Account, Wanted};
@@ -85,6 +85,12 @@ pub enum DeformError {
     /// layout, or there are more of them than the device allows.
     #[error("the device refuses the displacement with the layout given: {message}")]
     Pipeline { message: String },
+    /// The device cannot use the bind group of the displacement. For example it has another layout than the deformer was
+    /// made with, is of another device, or binds a buffer that was destroyed.
+    #[error(
+        "the device refuses the displacement's bind group; make it with `DeformerOptions::displacement_layout`: {message}"
+    )]
+    BindGroup { message: String },
 }
 
 /// Deforms a model every frame into a position buffer of its own. The buffer holds all instances in the vertex order of
@@ -236,7 +242,7 @@ impl Deformer {
     ///
     /// # Errors
     /// [`DeformError`] if the pose does not fit the model, has too many active morph targets
-    /// ([`DeformError::TooManyTerms`]), or resources of the displacement are missing. Nothing is recorded then.
+    /// ([`DeformError::TooManyTerms`]), or resources of the displacement are missing or refused. Nothing is recorded then.
     pub fn encode<'a>(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -265,9 +271,21 @@ impl Deformer {
         Ok(())
     }
 
-    /// Refuses a bind group without a displacement that has resources, and the other way round.
+    /// Refuses a bind group without a displacement that has resources, and the other way round. A bind group that would
+    /// spoil the caller's encoder is tried in another one.
     pub(crate) fn check_resources(&self, resources: Option<&wgpu::BindGroup>) -> Result<(), DeformError> {
-        if self.has_resources == resources.is_some() { Ok(()) } else { Err(DeformError::Resources) }
+        if self.has_resources != resources.is_some() {
+            return Err(DeformError::Resources);
+        }
+        let Some(group) = resources else { return Ok(()) };
+        let tried = any_error(&self.device, || {
+            let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            record_with([&self.pass], &mut encoder, 0..1, None, Some((DISPLACE_GROUP, group)));
+            drop(encoder.finish());
+        });
+        tried.map_err(|message| {
+            check_alive(&self.device).map_or_else(DeformError::Device, |()| DeformError::BindGroup { message })
+        })
     }
 
     /// The uniforms of the dispatches.

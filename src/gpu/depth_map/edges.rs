@@ -36,7 +36,7 @@ const SLOPES: f32 = 2.0;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Detector {
     rule: DepthEdgeRule,
-    /// The use of second differences: `SECOND` in `depth_edges.wgsl`.
+    /// The use of second differences: `SECOND` in `edge_rule.wgsl`.
     second: u32,
     dangling: Option<DanglingEdges>,
     /// Which triangles without a marked edge are drawn near one: `RINGS` in `depth_edges.wgsl`.

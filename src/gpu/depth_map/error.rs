@@ -131,7 +131,7 @@ pub enum DepthMapError {
     NoObjects { face: usize },
     /// The map is the result that is written.
     #[error("a map is the result of the same merge or conversion; give it to another one")]
-    OwnResult,
+    MapIsResult,
     /// Some depths of the map lie beyond infinity.
     #[error(
         "rounding put the far plane of the map's camera behind infinity; use a projection without a far plane, or a larger near \

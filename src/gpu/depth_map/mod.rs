@@ -2,8 +2,8 @@
 //! shadow is rebuilt from the depths that the light sees, after Michael `McCool` (2000).
 //!
 //! Everything that writes depth casts a shadow: distance fields, alpha-tested leaves, points. [`DepthMapVolumes`] draws the
-//! shadows of one map, [`DepthMapCube`] those of six maps around a light. [`DepthMapMerge`] merges two maps, and
-//! [`DepthMapConversion`] converts distances. [`MeshDepth`] and [`SceneDepth`] draw a mesh or a scene into a map.
+//! shadows of one map, [`DepthMapCube`] those of six maps around a light. [`DepthMapTexture`] merges two maps or
+//! converts distances. [`MeshDepth`] and [`SceneDepth`] draw a mesh or a scene into a map.
 //!
 //! ```no_run
 //! use rimline::gpu::ShadowFormat;
@@ -63,4 +63,4 @@ pub use options::{DanglingEdges, DepthCubeMaps, DepthMap, DepthMapMethod, DepthM
 pub use pipelines::DepthMapPipelines;
 pub use scene_depth::{SceneDepth, SceneDepthCounts};
 pub use volumes::DepthMapVolumes;
-pub use written::{DepthMapConversion, DepthMapMerge};
+pub use written::DepthMapTexture;

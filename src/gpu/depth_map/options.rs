@@ -7,31 +7,29 @@ use crate::ShadowCamera;
 
 /// A depth map: what a light sees.
 ///
-/// Everything in the map must be in the eye's depth buffer at the same position, because the omitted parts of the boundary
-/// lie on it.
+/// Everything in the map must be in the eye's depth buffer at the same position, because the omitted parts of the
+/// boundary lie on it.
+///
+/// To detect edges by [`objects`](Self::objects) alone, take [`DepthMapMethod::Differences`] with a `threshold` of 1
+/// and a [`slope_bias`](DepthMapOptions::slope_bias) of 0. With a larger bias, the boundary leaves steep sides of
+/// objects, and rays pass through the gap. An object then casts no shadow onto itself, which swaps light and shadow
+/// along rays through the gap.
 #[derive(Clone, Copy, Debug)]
 pub struct DepthMap<'a> {
-    /// A view of the depth aspect, or of the only aspect, of one layer. The texture has one mip level, one sample a texel,
-    /// usage `TEXTURE_BINDING`, and one of these formats: `Depth16Unorm`, `Depth24Plus`, `Depth24PlusStencil8`,
-    /// `Depth32Float`, `Depth32FloatStencil8`, `R32Float`. `R32Float` holds the depths that the others would hold;
-    /// [`DepthMapConversion`](crate::gpu::depth_map::DepthMapConversion) makes such a map from distances.
-    ///
-    /// Row 0 is at the top, where y is 1 in clip space. NaN and depths at the far end or beyond cast nothing; the far end is
-    /// 0 with reversed depth, else 1. Depths before the near end count as depths at the near end.
+    /// A view of one layer, of its depth aspect or its only one: one mip level, one sample a texel, usage
+    /// `TEXTURE_BINDING`. Its format is `Depth16Unorm`, `Depth24Plus`, `Depth24PlusStencil8`, `Depth32Float`,
+    /// `Depth32FloatStencil8`, or `R32Float` with the depths that these would hold
+    /// ([`DepthMapTexture`](crate::gpu::depth_map::DepthMapTexture) is such a map of distances, or of two maps). Row 0 is at
+    /// the top, where y is 1 in clip space. NaN and depths at the far end or beyond cast nothing (the far end is 0 with
+    /// reversed depth, else 1), and depths before the near end count as depths at it.
     pub texture: &'a wgpu::TextureView,
     /// The camera that the map was made with, at the light. It is orthographic for a light at infinity.
     pub light: ShadowCamera,
-    /// The index of an object for each texel: edges between different objects are found beside those of the method. It is a
-    /// view of one layer of an `R32Uint` texture of the map's size, with one mip level and usage `TEXTURE_BINDING`. Default:
-    /// `None`. Set it to find contacts, such as a foot on the ground, without a threshold.
-    ///
-    /// Indices of texels that cast nothing are ignored, and [`DepthMapMethod::EveryCell`] ignores all, because it has every
-    /// edge.
-    ///
-    /// To detect edges by objects alone, take [`DepthMapMethod::Differences`] with a `threshold` of 1 and a
-    /// [`slope_bias`](DepthMapOptions::slope_bias) of 0. With a larger bias, the boundary leaves steep sides of objects, and
-    /// rays pass through the gap. An object then casts no shadow onto itself, which swaps light and shadow along rays
-    /// through the gap.
+    /// The index of an object for each texel: edges between different objects are found beside those of the method. It
+    /// is a view of one layer of an `R32Uint` texture of the map's size, with one mip level and usage
+    /// `TEXTURE_BINDING`. Default: `None`; set it to find contacts, such as a foot on the ground, without a threshold.
+    /// Indices of texels that cast nothing are ignored, and [`DepthMapMethod::EveryCell`] ignores all, because it has
+    /// every edge.
     pub objects: Option<&'a wgpu::TextureView>,
 }
 
@@ -92,20 +90,15 @@ pub enum DepthMapMethod {
         /// See [`Self::Automatic`].
         dangling: Option<DanglingEdges>,
     },
-    /// Walls along rays of the light, over contours that are traced between the samples of a jump and fitted with segments
-    /// (section 8.1 of the paper). There are fewer triangles, and borders of shadows are smoother. Finding contours takes
-    /// several times as long as finding cells. Keep a `slope_bias` of 1.
-    ///
-    /// A jump is a difference that exceeds the slopes on both sides by more than the threshold. Three samples on a plane
-    /// have no jump. A difference below 16 thresholds is no jump beside one that is more than half as large.
-    ///
-    /// Shadows may be wrong at rims whose last facets are narrower than a texel, at rims close to the eye, and where the
-    /// near rectangle is within two texels of a rim (docs/measured.md).
-    ///
-    /// Cubes and pipelines of more than one bit are refused. Maps may have as many texels as a storage binding has words: up
-    /// to 5,790² with default limits.
+    /// Walls along rays of the light, over contours that are traced between the samples of a jump and fitted with
+    /// segments (section 8.1 of the paper). They have fewer triangles and smoother borders than cells, and take several
+    /// times as long to find. Shadows may be wrong at rims whose last facets are narrower than a texel, at rims close
+    /// to the eye, and where the near rectangle is within two texels of a rim (docs/measured.md). Keep a `slope_bias`
+    /// of 1; cubes, pipelines of more than one bit, and maps with more texels than a storage binding has words (5,790²
+    /// with default limits) are refused.
     Contours {
-        /// In device depth, from 0 to 1.
+        /// In device depth, from 0 to 1. A jump is a difference that exceeds the slopes on both sides by more than this. A
+        /// difference below 16 thresholds is no jump beside one that is more than half as large.
         threshold: f32,
         /// How far a segment may be from the crossings that it is fitted to, in texels, from 0 to 0.5. Samples stay on their
         /// side of the segment with any value. Take 0.1.
@@ -149,10 +142,10 @@ impl Default for DanglingEdges {
 pub struct DepthMapOptions {
     /// How shadows are found. Default: [`DepthMapMethod::Automatic`].
     pub method: DepthMapMethod,
-    /// Cells that the list has room for; with contours, walls and flaps. Default: `None`, which is every cell or as many as
-    /// fit one binding; with contours, a fourth of the cells and at least 1,024. If the list overflows, every cell is
-    /// drawn, which is slower. For methods that look beside an edge or continue edges, shadows are then those of
-    /// [`DepthMapMethod::EveryCell`]; for contours they are those of [`DepthMapMethod::Differences`] with the same
+    /// Cells that the list has room for; with contours, walls and flaps. Default: `None`, every cell or as many as fit
+    /// one binding; with contours, a fourth of the cells and at least 1,024. If the list overflows, every cell is
+    /// drawn, which is slower: for methods that look beside an edge or continue edges with the shadows of
+    /// [`DepthMapMethod::EveryCell`], for contours with those of [`DepthMapMethod::Differences`] with the same
     /// threshold. Lower it to save memory, by what
     /// [`DepthMapFrame::statistics`](crate::gpu::depth_map::DepthMapFrame::statistics) counts.
     pub capacity: Option<u32>,
@@ -165,7 +158,7 @@ pub struct DepthMapOptions {
     /// The boundary moves by four of its steps. Set it for a map of `R32Float` that was copied or merged from
     /// `Depth16Unorm`, which has specks of shadow otherwise.
     pub rounded_to: Option<wgpu::TextureFormat>,
-    /// The quantity that [`DepthMapConversion`](crate::gpu::depth_map::DepthMapConversion) converted the map from. Default:
+    /// The quantity that [`DepthMapTexture`](crate::gpu::depth_map::DepthMapTexture) converted the map from. Default:
     /// [`DepthMetric::Device`], not converted. The boundary moves by the error of the conversion. Set it for a map converted
     /// from distances, which may have specks of shadow otherwise, with reversed depth above all near the far plane.
     pub metric: DepthMetric,

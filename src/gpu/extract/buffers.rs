@@ -49,6 +49,7 @@ impl Shape {
         let polygons = mesh.polygons().map(PolygonCounts::new).transpose()?;
         let pieces = if options.is_for_volumes() { None } else { Some(0) };
         let polygons = polygons.map(|counts| PolygonShape::new(&counts, options.max_lights, pieces, split.binding));
+        polygons.iter().try_for_each(|polygons| polygons.check_workgroups(split))?;
         Ok(Self {
             vertices: mesh.vertex_count(),
             faces: mesh.faces().len(),

@@ -96,9 +96,10 @@ pub struct ExtractionResults<'a> {
     /// The faces of each edge record: two `u32`. See [`crate::mesh::EdgeRecords::packed_faces`]. In a mesh of polygons, the
     /// first triangle of a polygon stands for it.
     pub edge_faces: &'a wgpu::Buffer,
-    /// One buffer for each batch, with a facing mask for each face: one `u32`. Empty for the per-edge method. A mesh of
-    /// polygons has one for each triangle, the same for all of a polygon. After these come as many masks of the lights for
-    /// which the polygon is twisted. [`Polygons::masks_of`](crate::mesh::Polygons::masks_of) makes one a polygon of them.
+    /// One buffer for each batch, with a facing mask for each face, or for each triangle of a mesh of polygons: one
+    /// `u32`. Empty for the per-edge method. Triangles of a polygon have the same mask, and after all masks come as
+    /// many masks of the lights for which the polygon is twisted.
+    /// [`Polygons::masks_of`](crate::mesh::Polygons::masks_of) makes one a polygon of them.
     pub facing: &'a [wgpu::Buffer],
     /// One buffer for each batch, with an [`EdgeMasks`](crate::gpu::EdgeMasks) for each edge record. Empty unless
     /// requested.

@@ -23,9 +23,9 @@ pub struct ExtractorOptions {
     pub masks: bool,
     /// The lists of silhouette edges. `None`: no lists.
     pub lists: Option<ListOptions>,
-    /// The largest device memory for the extractor, in bytes. It is checked before anything is allocated. `None`: no limit.
-    /// Without a limit, a mesh that is too large fails only when the device refuses a buffer. Buffers allocated before are
-    /// freed. wgpu cannot ask how much memory there is.
+    /// The largest device memory for the extractor, in bytes, checked before anything is allocated. Default: `None`, no
+    /// limit: a mesh that is too large fails only when the device refuses a buffer, and buffers allocated before are
+    /// freed. Set it if you know the memory of the device, which wgpu cannot ask.
     pub memory_limit: Option<u64>,
     /// With lists, also find which faces have a light in their plane, and the pieces of twisted polygons. Only shadow
     /// volumes read these. Scenes find them in buffers of their own, so only tests set it. It may change in any release.
@@ -64,14 +64,11 @@ impl ExtractorOptions {
 /// Options of the lists of silhouette edges.
 #[derive(Clone, Copy, Debug)]
 pub struct ListOptions {
-    /// Entries that the list of each light has room for, clamped to 1 … edge records. `None`: room for all
-    /// boundary and inconsistent edges, and for a part of the `n` consistent ones. The part is the largest of
-    /// `4n / max_lights`, `16 √n` and 1,024, and at most `n`.
-    ///
-    /// An overflow loses nothing: the draw then goes over all edges, and the WGSL of
-    /// [`include_wgsl`](crate::gpu::include_wgsl) rejects those that are no silhouette, by the facing masks. The per-edge
-    /// method has no facing masks, so there only [`ExtractorOptions::masks`] tell which edges are silhouettes.
-    /// [`ExtractionStatistics`](crate::gpu::ExtractionStatistics) counts overflows.
+    /// Entries that the list of each light has room for, clamped to 1 … edge records. Default: `None`, room for all
+    /// boundary and inconsistent edges, and of `n` consistent ones for the largest of `4n / max_lights`, `16 √n` and
+    /// 1,024. After an overflow, which [`ExtractionStatistics`](crate::gpu::ExtractionStatistics) counts, the draw goes
+    /// over all edges, and the WGSL of [`include_wgsl`](crate::gpu::include_wgsl) rejects by the facing masks those
+    /// that are no silhouette. The per-edge method has no facing masks, so there only [`ExtractorOptions::masks`] tell.
     pub capacity: Option<u32>,
     /// Whether lists have the order of the edges, which is the same in every run. Such lists are made from
     /// silhouette and winding masks: they cost the memory traffic of the masks, and 8 bytes for each edge if masks are not

@@ -4,6 +4,8 @@
 use super::errors::ExtractorError;
 use super::options::MAX_BOUNDARY_EDGES;
 use crate::Mesh;
+use crate::gpu::common::device_error::DeviceError;
+use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::wanted::Wanted;
 use crate::mesh::{Polygons, is_loop};
 use crate::turns::POLYGON_TRIANGLES;
@@ -13,6 +15,8 @@ use crate::turns::POLYGON_TRIANGLES;
 const SMALL_BOUNDARY: usize = 32;
 const ENTRY_EDGES: usize = 4;
 const ENTRY_LIGHTS: usize = 16;
+/// Records of cuts that a workgroup takes, as in `boundaries.wgsl`.
+const GROUP_CUTS: u64 = 8;
 pub(crate) const HEAD_WORDS: u64 = 16;
 const RECORD_WORDS: u64 = 10;
 /// Bytes of the head before the arguments of the indirect dispatches over records, over entries, over those of
@@ -52,6 +56,8 @@ pub(crate) struct PolygonShape {
     entries: u64,
     /// Pieces of a light that there is room for. 0: none are listed.
     pub(crate) pieces: u32,
+    /// The most workgroups of a dispatch over entries, or over groups of cuts.
+    workgroups: u64,
 }
 
 impl PolygonCounts {
@@ -77,6 +83,11 @@ impl PolygonCounts {
         }
         Ok(counts)
     }
+
+    /// Bytes of the table of [`boundaries`].
+    pub(crate) fn boundary_bytes(&self) -> u64 {
+        8 * (self.polygons + 1 + self.boundary_edges) as u64
+    }
 }
 
 impl PolygonShape {
@@ -89,7 +100,15 @@ impl PolygonShape {
         let fitting = (binding / 4).saturating_sub(PIECE_COUNTS) / (PIECE_WORDS * lights.max(1) as u64);
         let shared = SHARED_PIECES / lights.max(1) as u64 + boundary_edges as u64 / 16;
         let room = capacity.map_or(shared, u64::from).min(pieces.max(1)).min(fitting);
-        Self { polygons, entries, pieces: u32::try_from(room).unwrap_or(u32::MAX) }
+        let workgroups = entries.max(room.div_ceil(GROUP_CUTS) * lights as u64);
+        Self { polygons, entries, pieces: u32::try_from(room).unwrap_or(u32::MAX), workgroups }
+    }
+
+    /// Refuses more workgroups than as many rows hold as the device allows.
+    pub(crate) fn check_workgroups(&self, limits: &DispatchLimits) -> Result<(), DeviceError> {
+        let (needed, there) = (self.workgroups.saturating_sub(1).isqrt() + 1, limits.workgroups);
+        let (subject, limit) = ("a mesh of so many polygons", "max_compute_workgroups_per_dimension");
+        if needed > there { Err(DeviceError::Limit { subject, limit, needed, there }) } else { Ok(()) }
     }
 
     pub(crate) fn undecided_bytes(&self) -> u64 {

@@ -243,9 +243,9 @@ impl<'a> Binder<'a> {
 
     fn dispatch(&self, size: Size, pipeline: &Pipeline, at: &BatchItems) -> Dispatch {
         let device = self.pipelines.device();
-        let over = |invocations: u32| Workgroups::Known([(at.items.len() as u32).div_ceil(invocations), 1]);
         let workgroups = match size {
-            Size::Items => over(WORKGROUP),
+            // Chunks of faces and edges are one row.
+            Size::Items => Workgroups::over(device, (at.items.len() as u32).div_ceil(WORKGROUP)),
             Size::Few => Workgroups::Known([exact_workgroups(device, at.items.len() as u32, EXACT_ITEMS), 1]),
             Size::Lights => self.in_turn(self.shape.batch_lights(at.batch)),
             Size::Written(byte) => match &self.buffers.polygons {

@@ -13,7 +13,6 @@
 //! of `Unorm` textures, because integer formats do not blend. Each bit is added once, so nothing is rounded. A single light
 //! needs no sum: it is drawn into the target.
 
-pub(crate) mod errors;
 mod light_bounds;
 mod passes;
 mod pipelines;

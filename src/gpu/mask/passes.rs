@@ -1,9 +1,9 @@
 //! Attachments of masks, and passes that draw into them.
 
-use super::errors::{MaskError, tried};
-use super::pipelines::layout;
+use super::pipelines::{layout, tried};
 use crate::gpu::common::bindings::texture;
 use crate::gpu::common::pipelines::{Pipelines, group};
+use crate::gpu::shadow::errors::ShadowError;
 use crate::shadow::DepthDirection;
 
 /// An attachment that Rimline owns.
@@ -25,7 +25,7 @@ impl Attachment {
         size: [u32; 2],
         format: wgpu::TextureFormat,
         samples: u32,
-    ) -> Result<Self, MaskError> {
+    ) -> Result<Self, ShadowError> {
         let is_same = |made: &Self| (made.size, made.format, made.samples) == (size, format, samples);
         let attachment = match cached.take().filter(is_same) {
             Some(attachment) => attachment,

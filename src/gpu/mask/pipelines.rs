@@ -1,9 +1,11 @@
 //! The pipelines of masks.
 
-use super::errors::{MaskError, tried};
 use crate::gpu::common::bindings::{entries, float_texture};
 use crate::gpu::common::drawing::{Drawn, depth_stencil as state};
+use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::Pipelines;
+use crate::gpu::common::requirements::check_alive;
+use crate::gpu::shadow::errors::ShadowError;
 use crate::gpu::shadow::pipelines::Convention;
 use crate::gpu::shadow::{ShadowFormat, ShadowPipelines};
 use crate::stages::{MASK_SAMPLES, SHADOW_MASKS};
@@ -31,7 +33,7 @@ pub(super) struct Counting {
 }
 
 impl Counting {
-    pub(super) fn new(shared: &Pipelines, setting: &Setting) -> Result<Self, MaskError> {
+    pub(super) fn new(shared: &Pipelines, setting: &Setting) -> Result<Self, ShadowError> {
         let &Setting { convention, is_in_batches, depth_stencil, color, is_direct, samples, trim } = setting;
         let format = ShadowFormat {
             depth_stencil,
@@ -75,6 +77,18 @@ impl Counting {
         })?;
         Ok(Self { volumes, depth, bit })
     }
+}
+
+/// Runs `make`, and returns the message of a device that refuses, behind a hint, or that is lost.
+pub(super) fn tried<T>(
+    device: &wgpu::Device,
+    [what, hint]: [&'static str; 2],
+    make: impl FnOnce() -> T,
+) -> Result<T, ShadowError> {
+    any_error(device, make).map_err(|message| {
+        let refused = |()| ShadowError::MaskRefused { what, message: format!("{hint}{message}") };
+        check_alive(device).map_or_else(ShadowError::Device, refused)
+    })
 }
 
 /// The layout of the bind group: the texture that is read.

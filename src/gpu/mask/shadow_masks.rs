@@ -2,15 +2,15 @@
 
 use std::sync::Arc;
 
-use super::errors::{MaskError, tried};
 use super::light_bounds::affected_pixels;
 use super::passes::{Attachment, around, begin, draw_into, layer_view, scissor};
-use super::pipelines::{Counting, Setting, layout, pipeline};
+use super::pipelines::{Counting, Setting, layout, pipeline, tried};
 use crate::gpu::common::bindings::texture;
 use crate::gpu::common::pipelines::{Pipelines, group};
 use crate::gpu::common::requirements::{Subject, check_same, check_sample_shading};
 use crate::gpu::scene::frame::{EncodedView, SceneFrame};
 use crate::gpu::scene::handles::LightHandle;
+use crate::gpu::shadow::errors::ShadowError;
 use crate::gpu::shadow::pipelines::Convention;
 
 /// Lights of a batch: one pass writes their bits.
@@ -79,14 +79,13 @@ pub struct MaskInputs<'a> {
     pub view: usize,
     /// The lights, in the order of their bits.
     pub lights: &'a [LightHandle],
-    /// The masks: a texture with one sample, usage `RENDER_ATTACHMENT` and the size of the depth. The call writes level 0 of
-    /// as many layers as the lights need:
+    /// The masks: a texture with one sample, usage `RENDER_ATTACHMENT` and the size of the depth. The call writes level
+    /// 0 of as many layers as the lights need:
     ///
-    /// * `R8Uint`, `R32Uint`: a bit a light, 8 or 32 of them in a layer. Light `i` is bit `i mod 8` of layer `i div 8`,
-    ///   or bit `i mod 32` of layer `i div 32`. It is 1 if the light is in shadow. Other bits are 0. With several
-    ///   samples, sample 0 counts.
-    /// * `R8Unorm`: a layer a light, the share of the samples of a pixel that are in shadow: 0 or 1, or antialiased if the
-    ///   depth has several samples.
+    /// * `R8Uint`, `R32Uint`: bit `i mod 8` of layer `i div 8`, or bit `i mod 32` of layer `i div 32`, is 1 if light
+    ///   `i` is in shadow, by sample 0 of the depth; other bits are 0.
+    /// * `R8Unorm`: a layer a light, the share of the samples of a pixel that are in shadow: 0 or 1, or antialiased if
+    ///   the depth has several samples.
     pub target: &'a wgpu::Texture,
 }
 
@@ -94,8 +93,8 @@ impl ShadowMasks {
     /// Makes no pipelines yet. `pipelines` is the caller's device, or the [`Pipelines`] of the scenes.
     ///
     /// # Errors
-    /// [`MaskError::Device`] if the device lacks what shadow volumes need.
-    pub fn new(pipelines: impl Into<Pipelines>) -> Result<Self, MaskError> {
+    /// [`ShadowError::Device`] if the device lacks what shadow volumes need.
+    pub fn new(pipelines: impl Into<Pipelines>) -> Result<Self, ShadowError> {
         let shared = pipelines.into();
         shared.clone().construct(Subject::Shadow, || {
             Ok(Self {
@@ -110,7 +109,7 @@ impl ShadowMasks {
         })
     }
 
-    fn counting(&mut self, setting: Setting) -> Result<Arc<Counting>, MaskError> {
+    fn counting(&mut self, setting: Setting) -> Result<Arc<Counting>, ShadowError> {
         if let Some((_, made)) = self.counting.iter().find(|(key, _)| *key == setting) {
             return Ok(Arc::clone(made));
         }
@@ -123,7 +122,7 @@ impl ShadowMasks {
     }
 
     /// The pipeline that writes a layer of the target.
-    fn writing(&mut self, key: Writing) -> Result<wgpu::RenderPipeline, MaskError> {
+    fn writing(&mut self, key: Writing) -> Result<wgpu::RenderPipeline, ShadowError> {
         if let Some((_, made)) = self.writing.iter().find(|(made, _)| *made == key) {
             return Ok(made.clone());
         }
@@ -135,7 +134,7 @@ impl ShadowMasks {
     }
 
     /// The bits of lights that are not drawn into the target directly.
-    fn bits(&mut self, setting: &Setting, inputs: &MaskInputs<'_>) -> Result<Bits, MaskError> {
+    fn bits(&mut self, setting: &Setting, inputs: &MaskInputs<'_>) -> Result<Bits, ShadowError> {
         let (map, is_few) = (inputs.depth.texture(), inputs.lights.len() <= FEW);
         let entry_point = match inputs.target.format() {
             wgpu::TextureFormat::R8Unorm => "mask_share",
@@ -153,7 +152,7 @@ impl ShadowMasks {
     }
 
     /// The bind group of a depth.
-    fn depth_group(&self, depth: &wgpu::TextureView) -> Result<wgpu::BindGroup, MaskError> {
+    fn depth_group(&self, depth: &wgpu::TextureView) -> Result<wgpu::BindGroup, ShadowError> {
         let (device, is_sampled) = (self.shared.device(), depth.texture().sample_count() > 1);
         let layout = layout(&self.shared, is_sampled);
         let what = ["the depth", "is it a view of the depth aspect alone, of one layer? "];
@@ -162,7 +161,7 @@ impl ShadowMasks {
     }
 
     /// Views of the first layers of a target that a pass can draw into.
-    fn layers(&mut self, target: &wgpu::Texture, layers: u32) -> Result<Vec<wgpu::TextureView>, MaskError> {
+    fn layers(&mut self, target: &wgpu::Texture, layers: u32) -> Result<Vec<wgpu::TextureView>, ShadowError> {
         let is_same = |(cached, views): &(wgpu::Texture, Vec<_>)| cached == target && views.len() >= layers as usize;
         let cached = self.target.take().filter(is_same);
         let device = self.shared.device();
@@ -187,46 +186,46 @@ impl ShadowMasks {
 }
 
 /// The format of the copy of the depth: one that holds every loaded depth exactly, if the device has it.
-fn depth_stencil(format: wgpu::TextureFormat, features: wgpu::Features) -> Result<wgpu::TextureFormat, MaskError> {
+fn depth_stencil(format: wgpu::TextureFormat, features: wgpu::Features) -> Result<wgpu::TextureFormat, ShadowError> {
     let needed = wgpu::Features::DEPTH32FLOAT_STENCIL8;
     match format {
         _ if features.contains(needed) => Ok(wgpu::TextureFormat::Depth32FloatStencil8),
-        wgpu::TextureFormat::Depth32Float => Err(MaskError::Feature { format, needed }),
+        wgpu::TextureFormat::Depth32Float => Err(ShadowError::MaskFeature { format, needed }),
         _ => Ok(wgpu::TextureFormat::Depth24PlusStencil8),
     }
 }
 
 impl MaskInputs<'_> {
     /// Lights that a layer of the target holds.
-    fn lights_a_layer(&self) -> Result<usize, MaskError> {
+    fn lights_a_layer(&self) -> Result<usize, ShadowError> {
         match self.target.format() {
             wgpu::TextureFormat::R8Uint => Ok(8),
             wgpu::TextureFormat::R32Uint => Ok(32),
             wgpu::TextureFormat::R8Unorm => Ok(1),
-            format => Err(MaskError::TargetFormat { format }),
+            format => Err(ShadowError::MaskFormat { format }),
         }
     }
 
     /// Refuses textures that do not match. Returns the number of layers to write.
-    fn check(&self) -> Result<u32, MaskError> {
+    fn check(&self) -> Result<u32, ShadowError> {
         let (map, target) = (self.depth.texture(), self.target);
         let format = map.format();
         if !(format.has_depth_aspect() && map.usage().contains(wgpu::TextureUsages::TEXTURE_BINDING)) {
-            return Err(MaskError::Depth { format });
+            return Err(ShadowError::MaskDepth { format });
         }
         let (lights, a_layer) = (self.lights.len(), self.lights_a_layer()?);
         let (samples, dimension, usage) = (target.sample_count(), target.dimension(), target.usage());
         let is_drawn = usage.contains(wgpu::TextureUsages::RENDER_ATTACHMENT);
         if samples > 1 || dimension != wgpu::TextureDimension::D2 || !is_drawn {
-            return Err(MaskError::Target { samples, dimension, usage });
+            return Err(ShadowError::MaskTarget { samples, dimension, usage });
         }
         let [depth, size] = [map, target].map(|texture| [texture.width(), texture.height()]);
         if depth != size {
-            return Err(MaskError::Size { target: size, depth });
+            return Err(ShadowError::MaskSize { target: size, depth });
         }
         let (needed, layers) = (lights.div_ceil(a_layer).max(1) as u32, target.depth_or_array_layers());
         if needed > layers {
-            return Err(MaskError::TooManyLights { lights, needed, format: target.format(), layers });
+            return Err(ShadowError::MaskLayers { lights, needed, format: target.format(), layers });
         }
         Ok(needed)
     }
@@ -234,7 +233,12 @@ impl MaskInputs<'_> {
 
 impl SceneFrame {
     /// The settings of the pipelines that draw bits.
-    fn mask_setting(&self, convention: Convention, trim: bool, inputs: &MaskInputs<'_>) -> Result<Setting, MaskError> {
+    fn mask_setting(
+        &self,
+        convention: Convention,
+        trim: bool,
+        inputs: &MaskInputs<'_>,
+    ) -> Result<Setting, ShadowError> {
         let (map, lights) = (inputs.depth.texture(), inputs.lights.len());
         let samples = map.sample_count();
         let is_direct = lights == 1 && samples == 1;
@@ -269,14 +273,14 @@ impl SceneFrame {
     /// calls.
     ///
     /// # Errors
-    /// [`MaskError`] if the frame is out of date, an input is refused, the buffer of a caster was destroyed, or the device
+    /// [`ShadowError`] if the frame is out of date, an input is refused, the buffer of a caster was destroyed, or the device
     /// lacks something. Nothing is recorded then.
     pub fn write_masks(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         masks: &mut ShadowMasks,
         inputs: &MaskInputs<'_>,
-    ) -> Result<(), MaskError> {
+    ) -> Result<(), ShadowError> {
         let MaskInputs { depth, view, lights, target } = *inputs;
         let EncodedView { convention, camera, .. } = self.check_view(view)?;
         let encoded = lights.iter().map(|&light| self.check_drawn(view, light)).collect::<Result<Vec<_>, _>>()?;

@@ -8,13 +8,11 @@ use crate::gpu::common::positions::PositionBuffer;
 pub struct QueryPoints<'a> {
     /// Where the points are.
     pub points: PositionBuffer<'a>,
-    /// Bytes from the x of a point to the number of the face that it is on, a `u32` in the same buffer. A multiple of 4
-    /// from 12 on, with the number before the next point: 12 where the stride is 16. `None`: points name no face.
-    ///
-    /// This face does not count for its point, as if the point were exactly in it. It is an index in
-    /// [`Mesh::faces`](crate::Mesh::faces), a triangle where the mesh has polygons. [`NO_FACE`](crate::mesh::NO_FACE) is
-    /// none. An index that the mesh lacks is none, too, since nothing reads the buffer back;
-    /// [`crate::cpu::shadow_depth_on_faces`] refuses it.
+    /// Bytes from the x of a point to the index of the face that it is on, a `u32` in the same buffer: a multiple of 4
+    /// from 12 on, before the next point. Default: `None`, points name no face. This face, in
+    /// [`Mesh::faces`](crate::Mesh::faces) a triangle where the mesh has polygons, does not count for its point, as if
+    /// the point were exactly in it. [`NO_FACE`](crate::mesh::NO_FACE) is none, and so is an index that the mesh lacks,
+    /// which [`crate::cpu::shadow_depth_on_faces`] refuses.
     pub on_face: Option<u64>,
 }
 

@@ -54,13 +54,11 @@ impl From<PositionBuffer<'_>> for CasterPositions {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub enum CasterPositions {
-    /// The positions of the mesh, moved to world space by this transform. Silhouettes are found in mesh space, to which
-    /// lights are moved as by [`Light::to_mesh_space`](crate::Light::to_mesh_space). A caster with a singular transform, or
-    /// one that is not finite, casts nothing.
-    ///
-    /// The volumes compute a vertex less the camera's origin as `row.xyz · position + (row.w − origin)` for each axis, by
-    /// [`Transform::rows`], with products added from x to z. With z-fail a depth pass must compute the same bits; see
-    /// [`Counting`](crate::Counting).
+    /// The positions of the mesh, moved to world space by this transform. A caster with a singular transform, or one
+    /// that is not finite, casts nothing. Silhouettes are found in mesh space, to which lights are moved as by
+    /// [`Light::to_mesh_space`](crate::Light::to_mesh_space). Volumes compute a vertex less the camera's origin as
+    /// `row.xyz · position + (row.w − origin)` for each axis, by [`Transform::rows`], with products added from x to z,
+    /// and with z-fail a depth pass must compute the same bits (see [`Counting`](crate::Counting)).
     Rigid(Transform),
     /// Positions in the caller's buffer, in world space, for each source vertex of the mesh. Each encode reads them, unless
     /// [`Scene::set_position_version`](crate::gpu::Scene::set_position_version) says that nothing changed. Casters with the

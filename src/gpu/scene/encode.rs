@@ -266,6 +266,7 @@ impl Scene {
         self.steps = steps(&inputs, &made)?;
         self.volumes = None;
         self.last = Some(Arc::clone(&made));
+        self.removed.clear();
         self.structure = Some(Arc::clone(&made));
         Ok(made)
     }

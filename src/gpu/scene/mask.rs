@@ -6,8 +6,8 @@ use crate::light::{MAX_LIGHTS, batches};
 /// Words of a mask.
 const WORDS: usize = batches(MAX_LIGHTS);
 
-/// The lights for which a caster throws shadows. A mask holds bits, not lights: a light that takes the bit of a removed
-/// one takes its place in the masks, too.
+/// A set of lights: those for which a caster throws shadows, or whose shadows a view draws. A mask holds bits, not
+/// lights: a light that takes the bit of a removed one takes its place in the masks, too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct LightMask([u32; WORDS]);
 

@@ -113,6 +113,8 @@ impl Scene {
     pub fn remove_model(&mut self, model: ModelHandle) -> Result<(), ShadowError> {
         let removed = ShadowError::Removed { what: "model" };
         let entry = self.models.remove(model.key_in(self.id)?).ok_or(removed)?;
+        let positions = entry.deformer.positions().buffer;
+        self.removed.extend(self.last.as_ref().filter(|last| last.binds(positions)).map(|_| positions.clone()));
         self.deformed = None;
         for caster in entry.casters {
             self.remove_caster(caster.key);

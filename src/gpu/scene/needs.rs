@@ -22,7 +22,7 @@ use crate::stages::NEEDS;
 use crate::turns::NEEDS_BOXES;
 
 /// Invocations of a workgroup, one a deforming caster.
-const WORKGROUP: u64 = 64;
+const WORKGROUP: u32 = 64;
 
 /// The stage `needs`, ready to be recorded.
 pub(super) struct Needs {
@@ -111,6 +111,8 @@ impl Scene {
         view_lights.extend(view_lights.is_empty().then(ViewLight::zeroed));
         let (states, step) =
             self.needs_step(&frame, [bytemuck::cast_slice(&view_lights), bytemuck::cast_slice(&records)])?;
+        // Buffers of displacements may have been destroyed since.
+        self.models.values().try_for_each(|model| model.deformer.check_resources(model.resources.as_ref()))?;
         let uniforms = self.models.values().map(|model| model.deformer.uniforms(model.time_s)).collect();
         Ok(Some(Needs { states, step, uniforms }))
     }
@@ -161,8 +163,8 @@ impl Scene {
         let offset = table.push(frame);
         let frames = table.into_buffer(device, "needs");
         let pipeline = self.pipelines.compute(&NEEDS, NEEDS.name, &[]);
-        let count = u64::from(frame.casters).div_ceil(WORKGROUP).min(limits.workgroups) as u32;
-        let dispatch = pipeline.dispatch(device, Workgroups::Known([count, 1]), |name| {
+        let workgroups = Workgroups::over(device, frame.casters.div_ceil(WORKGROUP));
+        let dispatch = pipeline.dispatch(device, workgroups, |name| {
             Some(match name {
                 "frame" => uniform::<NeedsDispatch>(&frames, offset),
                 "view_lights" => whole(&view_lights),

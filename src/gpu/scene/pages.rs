@@ -73,6 +73,14 @@ impl<B> PageBuffers<B> {
     }
 }
 
+impl PageBuffers {
+    /// The size of all in bytes.
+    pub(crate) fn bytes(&self) -> u64 {
+        let Self { faces, edge_vertices, edge_faces, positions, clusters } = self;
+        [faces, edge_vertices, edge_faces, positions, clusters].into_iter().map(wgpu::Buffer::size).sum()
+    }
+}
+
 impl Page {
     /// Ranges of `items` elements of each kind, if there is room for all.
     fn allocate(&mut self, items: [u64; KINDS]) -> Option<[Range<u32>; KINDS]> {

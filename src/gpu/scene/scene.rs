@@ -51,6 +51,8 @@ pub struct Scene {
     pub(super) structure: Option<Arc<Structure>>,
     /// The structure before. Its buffers are reused if they are large enough.
     pub(super) last: Option<Arc<Structure>>,
+    /// The positions of removed models that it binds.
+    pub(super) removed: Vec<wgpu::Buffer>,
     /// The steps of the structure.
     pub(super) steps: Vec<Step>,
     /// Shadow volumes of the structure, if any view was asked for.
@@ -108,6 +110,7 @@ impl Scene {
             moved: Vec::new(),
             structure: None,
             last: None,
+            removed: Vec::new(),
             steps: Vec::new(),
             volumes: None,
             room: Room::default(),
@@ -176,8 +179,9 @@ impl Scene {
     /// The bytes of all buffers.
     pub(super) fn used(&self) -> u64 {
         let volumes = self.volumes.as_ref().map_or(0, |volumes| volumes.buffers.bytes);
-        let last = self.last.as_ref().map_or(0, |last| last.bytes());
-        last + volumes + self.deformed_bytes() + self.content.pages.bytes
+        let last = self.last.as_ref().map_or(0, |last| last.bytes() + last.removed_bytes(&self.content.pages));
+        let removed: u64 = self.removed.iter().map(wgpu::Buffer::size).sum();
+        last + removed + volumes + self.deformed_bytes() + self.content.pages.bytes
     }
 
     /// The bytes of the deformers of models.

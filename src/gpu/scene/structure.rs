@@ -1,5 +1,7 @@
 //! The layout, the buffers and the uniforms of a scene. Only adding or removing casters or lights makes new ones.
 
+use std::collections::HashSet;
+
 use bytemuck::Zeroable;
 use slotmap::{DefaultKey, SlotMap};
 
@@ -8,6 +10,7 @@ use super::caster::{CasterEntry, Content};
 use super::layout::{Group, Layout};
 use super::lights::Lights;
 use super::options::{Measuring, SceneOptions};
+use super::pages::Pages;
 use super::sources::GroupTopology;
 use super::table::{Part, Table};
 use crate::Light;
@@ -102,6 +105,8 @@ impl Structure {
         let shared = shared_dispatch(&layout, table, options, number);
         let sizes_of = |group: &Group, batch| GroupSizes::new(group, used_bits(lights, batch), options, &limits);
         let (sizes, dispatches) = plan(&shared, &layout.groups, sizes_of);
+        sizes.groups.iter().filter_map(|part| part.polygons).try_for_each(|part| part.check_workgroups(&limits))?;
+        check_uniforms(dispatches.len(), &limits)?;
         let needed_states_offset = sizes.work as u32;
         let sizes = Sizes {
             work: sizes.work + table.casters as u64,
@@ -143,6 +148,22 @@ impl Structure {
         let exclusions: u64 =
             self.parts.iter().filter_map(|part| part.exclusions.as_ref()).map(wgpu::Buffer::size).sum();
         self.buffers.bytes + self.table.size() + exclusions
+    }
+
+    /// The bytes of meshes that were removed since, with their pages. The steps of the structure hold them.
+    pub(crate) fn removed_bytes(&self, pages: &Pages) -> u64 {
+        let mut counted = HashSet::new();
+        let groups = self.layout.groups.iter().zip(&self.topology);
+        let removed = groups.filter(|(group, _)| pages.get(group.source.page).is_none());
+        removed
+            .filter(|(group, _)| counted.insert(group.source.page))
+            .map(|(group, topology)| topology.page.bytes() + group.polygons.map_or(0, |of| of.boundary_bytes()))
+            .sum()
+    }
+
+    /// Whether casters read positions from this buffer.
+    pub(crate) fn binds(&self, positions: &wgpu::Buffer) -> bool {
+        self.position_buffers.contains(positions)
     }
 
     /// The first caster of a group. A group of polygons has no other.
@@ -219,6 +240,12 @@ fn table_bytes(inputs: &Inputs<'_>, table: &Table, limits: &DispatchLimits) -> R
         return Err(DeviceError::BindingTooLarge { what: "the scene table", bytes, limit }.into());
     }
     Ok(bytes)
+}
+
+/// Refuses uniforms of more groups and batches than one buffer holds, or offsets of 32 bits select.
+fn check_uniforms(parts: usize, limits: &DispatchLimits) -> Result<(), DeviceError> {
+    let bytes = (parts * UniformTable::stride::<SceneDispatch>()) as u64;
+    check(&[Allocation { label: "scene dispatches", bytes }], limits.buffer.min(u32::MAX.into()), None).map(drop)
 }
 
 /// The fields that the uniforms of all groups and batches share.

@@ -4,17 +4,19 @@ use super::mask::LightMask;
 use crate::ShadowCamera;
 use crate::gpu::common::timer::StageTimer;
 
-/// The inputs of [`Scene::encode`](crate::gpu::Scene::encode). Lights and casters are the scene's own.
+/// The inputs of [`Scene::encode`](crate::gpu::Scene::encode) and [`Scene::deform`](crate::gpu::Scene::deform). The lights
+/// and casters are those of the scene.
 #[derive(Debug, Default)]
 pub struct FrameInputs<'a> {
-    /// The views that shadow volumes are prepared for. Without views, the encode only extracts silhouettes.
+    /// The views that shadow volumes are prepared for. Without views, the encode deforms models and extracts silhouettes,
+    /// and prepares no volumes.
     pub views: &'a [View<'a>],
     /// Takes a timestamp around each stage.
     pub timer: Option<&'a mut StageTimer>,
 }
 
 impl<'a> FrameInputs<'a> {
-    /// A frame without a timer.
+    /// Inputs without a timer.
     pub fn new(views: &'a [View<'a>]) -> Self {
         Self { views, ..Self::default() }
     }
@@ -25,12 +27,13 @@ impl<'a> FrameInputs<'a> {
 pub struct View<'a> {
     /// The camera.
     pub camera: ShadowCamera,
-    /// The depth that the view's volumes will be drawn against, if it is drawn before the encode. Volumes without a receiver
-    /// are then culled, which makes the draws faster. The view's lists are cached only if [`Receivers::version`] says that
-    /// the depth is the same. Default: `None`.
+    /// The depth that the view's volumes will be drawn against, if it is drawn before the encode's commands run. Volumes
+    /// in which no receiver can be are then culled, which makes the draws faster. The view's lists are then cached only
+    /// if [`Receivers::version`] says that the depth is the same. Default: `None`.
     pub depth: Option<Receivers<'a>>,
-    /// The lights whose shadows are drawn in this view. No volumes are prepared for others, such as an eye that stands
-    /// for a light in outlines: [`LightMask::without`]. Default: all.
+    /// The lights whose shadows are drawn in this view. Volumes are prepared for no others, and
+    /// [`SceneFrame::draw`](crate::gpu::SceneFrame::draw) refuses these. [Leave out](LightMask::without) a light of the
+    /// scene that is the eye of outlines. Default: all.
     pub lights: LightMask,
 }
 
@@ -50,16 +53,17 @@ impl From<ShadowCamera> for View<'_> {
 /// The depth attachment that the volumes of a view will be drawn against. Draw the visible surfaces before the encode's
 /// commands run. Volumes in which no receiver can be are culled.
 ///
-/// Later draws must be nearer than this depth. If they cover pixels where nothing was drawn, set [`Self::sky_receives`].
+/// Later draws may only make depths nearer. If they cover pixels where nothing was drawn, set [`Self::sky_receives`].
 #[derive(Clone, Copy, Debug)]
 pub struct Receivers<'a> {
-    /// A view of the depth aspect alone, of one layer and level. The texture has usage `TEXTURE_BINDING`, and the size
-    /// of the viewport that the volumes are drawn with. All samples of a pixel count.
+    /// A view of the depth aspect alone, of level 0 of one layer. With another level, volumes are culled wrongly. The
+    /// texture has usage `TEXTURE_BINDING`, and the size of the viewport that the volumes are drawn with. All samples of
+    /// a pixel count.
     pub depth: &'a wgpu::TextureView,
-    /// Whether shadows fall on pixels at the cleared depth, 0 with reversed depth and else 1. Set it if something is drawn
+    /// Whether shadows fall on pixels at the cleared depth: 0 with reversed depth, else 1. Set it if something is drawn
     /// there later.
     pub sky_receives: bool,
-    /// The version of the depths. While the version and the camera stay the same, the depths must stay the same, and
-    /// lists are cached. `None`: the depths may change in each encode.
+    /// The version of the depths. While the version and the camera stay those that the view of this index had in the
+    /// encode before, the depths must stay the same, and lists are cached. `None`: the depths may change in each encode.
     pub version: Option<u64>,
 }

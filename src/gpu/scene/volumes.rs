@@ -7,6 +7,7 @@ use super::structure::{GroupBatch, Inputs, Structure};
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::Allocation;
 use crate::gpu::common::positions::bound;
+use crate::gpu::common::requirements::Subject;
 use crate::gpu::shadow::buffers::SizedBuffers;
 use crate::gpu::shadow::errors::ShadowError;
 use crate::gpu::shadow::sizes::{PartSizes, VolumeSizes};
@@ -21,8 +22,12 @@ pub(crate) struct Volumes {
 }
 
 impl Volumes {
-    /// Makes the volumes of a structure.
+    /// Makes the volumes of a structure. A device that extracts need not have what they need.
     pub(crate) fn new(inputs: &Inputs<'_>, structure: &Structure) -> Result<Self, ShadowError> {
+        inputs.pipelines.construct(Subject::Shadow, || Self::with(inputs, structure))
+    }
+
+    fn with(inputs: &Inputs<'_>, structure: &Structure) -> Result<Self, ShadowError> {
         let device = inputs.pipelines.device();
         let limits = DispatchLimits::new(&device.limits());
         let sizes = sizes(inputs, structure, &limits);

@@ -1,5 +1,6 @@
 //! The buffers of shadow volumes.
 
+use super::pipelines::MOST_PARTS;
 use super::sizes::VolumeSizes;
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
@@ -48,6 +49,8 @@ pub(crate) struct VolumeBuffers<B = wgpu::Buffer> {
     pub(crate) shapes: B,
     /// Uniforms: a [`ShadowDraw`] for each batch of casters, view and light.
     pub(crate) draw_lights: B,
+    /// Uniforms: the index of each part of trimmed polygons.
+    pub(crate) polygon_parts: B,
     /// For each group [`ShadowDraws`] for each view and light.
     pub(crate) draws: Vec<B>,
     /// If the caller asks for a bound of counts.
@@ -86,13 +89,20 @@ impl SizedBuffers {
             Allocation { label: "lights of views", bytes: view_lights * size_of::<ViewLight>() as u64 },
             Allocation { label: "shadow draw lights", bytes: draw_bytes },
         ];
-        check_bindings(&of_views, limits.binding)?;
-        let account = |sizes: &VolumeSizes, tables: &[UniformTable; 2]| {
+        // Draws select both by offsets of 32 bits.
+        check_bindings(&of_views, limits.binding.min(u32::MAX.into()))?;
+        // `counting_methods` has a row of workgroups for each view.
+        let (needed, there) = (sizes.views as u64, limits.workgroups);
+        if needed > there {
+            let (subject, limit) = ("an encode of so many views", "max_compute_workgroups_per_dimension");
+            return Err(DeviceError::Limit { subject, limit, needed, there });
+        }
+        let account = |sizes: &VolumeSizes, tables: &[UniformTable; 3]| {
             let mut account = Account::default();
             VolumeBuffers::<()>::plan(sizes, tables, |wanted| account.note(&wanted));
             account.all
         };
-        let mut tables = [shapes(&sizes), draw_lights(&sizes)];
+        let mut tables = [shapes(&sizes), draw_lights(&sizes), polygon_parts()];
         let all: u64 = account(&sizes, &tables).iter().map(|allocation| allocation.bytes).sum();
         sizes.fit_memory(all + others.bytes);
         tables[0] = shapes(&sizes);
@@ -124,7 +134,7 @@ impl SizedBuffers {
 impl<B> VolumeBuffers<B> {
     fn plan(
         sizes: &VolumeSizes,
-        [shapes, draw_lights]: &[UniformTable; 2],
+        [shapes, draw_lights, polygon_parts]: &[UniformTable; 3],
         mut make: impl FnMut(Wanted<'_>) -> B,
     ) -> Self {
         let view_lights = sizes.view_lights() as u64;
@@ -144,6 +154,7 @@ impl<B> VolumeBuffers<B> {
             receivers: make(Wanted::new("receivers", receivers)),
             shapes: make(Wanted::uniforms("shadow shapes", shapes)),
             draw_lights: make(Wanted::uniforms("shadow draw lights", draw_lights)),
+            polygon_parts: make(Wanted::uniforms("parts of polygons", polygon_parts).free()),
             draws: sizes.groups().map(|_| make(draws)).collect(),
             bound: sizes.options.stencil.bound_counts.then(|| BoundBuffers {
                 pencils: make(Wanted::new("stencil pencils", pencils)),
@@ -180,9 +191,19 @@ fn shapes(sizes: &VolumeSizes) -> UniformTable {
     shapes
 }
 
+fn polygon_parts() -> UniformTable {
+    let mut parts = UniformTable::default();
+    for part in 0..MOST_PARTS {
+        parts.push(&[part, 0, 0, 0]);
+    }
+    parts
+}
+
 fn draw_lights(sizes: &VolumeSizes) -> UniformTable {
     let mut draws = UniformTable::default();
-    for count_batch in 0..sizes.options.stencil.count_batches {
+    // Without lights nothing bounds the batches.
+    let count_batches = if sizes.view_lights() > 0 { sizes.options.stencil.count_batches } else { 0 };
+    for count_batch in 0..count_batches {
         for view in 0..sizes.views as u32 {
             for light in 0..sizes.lights as u32 {
                 draws.push(&ShadowDraw { light, first_light: light / 32 * 32, view, count_batch });

@@ -1,4 +1,4 @@
-//! Why pipelines of shadow volumes and scenes cannot be made, changed, recorded or drawn.
+//! Why pipelines of shadow volumes, scenes and masks cannot be made, changed, recorded or drawn.
 
 use super::format::{ShadowFormat, attachments};
 use crate::gpu::common::device_error::{DeviceError, contain, feature_names};
@@ -7,7 +7,7 @@ use crate::gpu::extract::errors::ExtractorError;
 use crate::light::LightError;
 use crate::shadow::{CameraError, Counting, DepthDirection};
 
-/// Why pipelines of shadow volumes or a scene cannot be made, changed, recorded or drawn.
+/// Why pipelines of shadow volumes, a scene or masks cannot be made, changed, recorded or drawn.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs, reason = "the messages say what fields are")]
@@ -173,7 +173,7 @@ pub enum ShadowError {
     ReceiversUsage { view: usize },
     /// The device refuses to read the receivers.
     #[error(
-        "view {view}: the device cannot read the depth: {message}; give a view of the depth aspect alone, of one layer and level"
+        "view {view}: the device cannot read the depth: {message}; give a view of the depth aspect alone, of one layer"
     )]
     ReceiversRefused { view: usize, message: String },
     /// The frame has no view with this number.
@@ -197,6 +197,37 @@ pub enum ShadowError {
          last encode returned"
     )]
     StaleFrame,
+
+    /// The depth texture for masks has no depth, or shaders may not read it.
+    #[error("the depth texture, of format {format:?}, cannot be read; give one with depth and usage TEXTURE_BINDING")]
+    MaskDepth { format: wgpu::TextureFormat },
+    /// Masks of depth of 32 bits need an optional format with stencil.
+    #[error(
+        "depth of format {format:?} is tested in Depth32FloatStencil8, which needs {}; make the device with it, or draw \
+         the depth in Depth24Plus",
+        feature_names(*.needed)
+    )]
+    MaskFeature { format: wgpu::TextureFormat, needed: wgpu::Features },
+    /// The target is of no format that masks have.
+    #[error("the target has the format {format:?}; masks are R8Uint, R32Uint or R8Unorm")]
+    MaskFormat { format: wgpu::TextureFormat },
+    /// The target of masks has several samples or three dimensions, or cannot be drawn into.
+    #[error(
+        "the target has {samples} samples, {dimension:?} and usages {usage:?}; give one with one sample, two dimensions and \
+         usage RENDER_ATTACHMENT"
+    )]
+    MaskTarget { samples: u32, dimension: wgpu::TextureDimension, usage: wgpu::TextureUsages },
+    /// The target of masks has not the size of the depth.
+    #[error("the target has {target:?} pixels and the depth {depth:?}; give textures of one size")]
+    MaskSize { target: [u32; 2], depth: [u32; 2] },
+    /// There are more lights than the layers of the target hold.
+    #[error(
+        "{lights} lights need {needed} layers of {format:?}, and the target has {layers}; add layers, or give fewer lights"
+    )]
+    MaskLayers { lights: usize, needed: u32, format: wgpu::TextureFormat, layers: u32 },
+    /// The device refuses a texture, a view or a pipeline of masks.
+    #[error("the device refuses {what}: {message}")]
+    MaskRefused { what: &'static str, message: String },
 }
 
 contain!(ExtractorError in ShadowError::Extraction but Device, Light);

@@ -6,22 +6,20 @@ use crate::shadow::{CameraError, DepthDirection, ShadowCamera};
 ///
 /// wgpu panics, or reports a validation error, where pipelines draw into a pass of other attachments, and a pass does
 /// not tell its attachments. [`Self::begin_pass`] compares before it begins a pass.
+///
+/// # Near plane
+///
+/// With 24 bits, and with standard depth in either format, neighbouring depths are `distance² / (2²⁴ · near)` apart.
+/// Keep the near plane farther away than `farthest / (2²⁴ · pixel)`. Here `farthest` is the distance of the farthest
+/// visible shadows, and `pixel` is the size of a pixel at distance 1. For 1,080 rows and a field of view of 60° this is
+/// an 18,000th of `farthest`. With a nearer plane, the borders of far shadows are off by more than a pixel. With a near
+/// plane at a millionth of `farthest`, shadows may be missing or cover lit surfaces. See docs/numerics/rasterisers.md,
+/// "Depth".
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct ShadowFormat {
-    /// The format of the depth-stencil attachment. It must have both depth and stencil.
-    ///
-    /// The format must tell depths apart precisely enough:
-    ///
-    /// * With reversed depth, `Depth32FloatStencil8` (an optional feature of devices) resolves distances to one part in
-    ///   2²³, wherever the near plane is.
-    /// * With 24 bits, and with standard depth in either format, neighbouring values are `distance² / (2²⁴ · near)`
-    ///   apart.
-    ///
-    /// In the second case keep the near plane farther away than `farthest / (2²⁴ · pixel)`. Here `farthest` is the
-    /// distance of the farthest visible shadows, and `pixel` is the size of a pixel at distance 1. For 1,080 rows and a
-    /// field of view of 60° this is an 18,000th of `farthest`. With a nearer plane, the borders of far shadows are off
-    /// by more than a pixel. With a near plane at a millionth of `farthest`, shadows may be missing or cover lit
-    /// surfaces. See docs/numerics/rasterisers.md, "Depth".
+    /// The format of the depth-stencil attachment. It must have both depth and stencil. With reversed depth,
+    /// `Depth32FloatStencil8` (an optional feature of devices) resolves distances to one part in 2²³, wherever the near
+    /// plane is. Else keep the near plane away from the eye: see [the near plane](ShadowFormat#near-plane).
     pub depth_stencil: wgpu::TextureFormat,
     /// The depth direction. It must be that of the cameras.
     pub depth: DepthDirection,
@@ -37,26 +35,24 @@ pub struct ShadowFormat {
     /// Whether the far plane is at a finite distance, see [`crate::ShadowCamera::has_far_plane`]. Only z-fail and ZP+
     /// as published use this. They then need `Features::DEPTH_CLIP_CONTROL`.
     pub has_far_plane: bool,
-    /// How many low bits of the stencil hold counts: 1 to 8, by default 8. Volumes of meshes do not write the other bits.
-    ///
-    /// Take fewer than 8 if the stencil holds something else, too, such as the parities of depth maps
-    /// ([`DepthMapPipelines::beside_meshes`](crate::gpu::depth_map::DepthMapPipelines::beside_meshes)). A surface is then
-    /// dark where any bit is set. **With 8 bits, a parity in the same stencil would change counts.** Counts wrap at 2 to the
-    /// power of this: with 7 bits, a point behind 128 casting faces looks lit, see
-    /// [`StencilCounts::bound_counts`](crate::gpu::StencilCounts::bound_counts).
-    /// [`ShadowPipelines::in_batches`](crate::gpu::ShadowPipelines::in_batches) need 2 or more, and take the highest for
-    /// darkness.
+    /// How many low bits of the stencil hold counts: 1 to 8, by default 8; volumes of meshes do not write the others.
+    /// Take fewer if the stencil holds something else, too, such as the parities of
+    /// [`DepthMapPipelines::beside_meshes`](crate::gpu::depth_map::DepthMapPipelines::beside_meshes): **beside 8 bits
+    /// they would change counts.** Counts wrap at 2 to the power of this: with 7 bits, a point behind 128 casting faces
+    /// looks lit, see [`StencilCounts::bound_counts`](crate::gpu::StencilCounts::bound_counts).
+    /// [`ShadowPipelines::in_batches`](crate::gpu::ShadowPipelines::in_batches) need 2 or more, and take the highest
+    /// as the dark bit.
     pub count_bits: u32,
-    /// Whether vertex shaders cut sides and caps at the frustum. Default: false, the device clips them. Set it for a driver
-    /// that clips slivers wrongly, such as `SwiftShader`: its shadows have lone wrong pixels where volumes leave the
-    /// picture. `rimline devices` names such drivers. Volumes then take several times as long, since each polygon takes four
-    /// to seven draws. Light caps of z-fail and ZP+ as published are not cut, so z-fail may still show such pixels.
+    /// Whether vertex shaders cut sides and caps at the frustum. Default: false, the device clips them. Set it for a
+    /// driver that clips slivers wrongly, such as `SwiftShader` (`rimline devices` names them): its shadows have lone
+    /// wrong pixels where volumes leave the picture. Volumes then take several times as long, and z-fail may still show
+    /// such pixels, because its light caps are not cut.
     pub trim: bool,
 }
 
 impl Default for ShadowFormat {
-    /// 24-bit depth, because `Depth32FloatStencil8` is an optional feature; see [`Self::depth_stencil`] for the near
-    /// plane that it needs. Reversed depth, one sample, no colour attachment, no far plane, counts in all eight bits of the
+    /// 24-bit depth, because `Depth32FloatStencil8` is an optional feature; see [`ShadowFormat`] for the near plane that
+    /// it needs. Reversed depth, one sample, no colour attachment, no far plane, counts in all eight bits of the
     /// stencil.
     fn default() -> Self {
         Self {
@@ -164,12 +160,12 @@ pub(crate) enum Polygons {
 pub(crate) enum Casters {
     /// The casters of a scene.
     Scene,
-    /// The casters of a scene, counted in batches: the highest bit of counts is set where earlier batches darken.
+    /// The casters of a scene, counted in batches: the highest bit is set where earlier batches cast a shadow.
     Batches,
 }
 
 impl Casters {
-    /// The largest count of `count_bits` bits. It is also the mask of the bits that count.
+    /// The largest count with `count_bits` bits of the stencil. It is also the mask of the bits that count.
     pub(crate) fn largest_count(self, count_bits: u32) -> u32 {
         low_bits(if self == Self::Batches { count_bits.saturating_sub(1) } else { count_bits })
     }
@@ -203,8 +199,6 @@ pub(super) struct Drawn {
 #[derive(Clone, PartialEq, Eq, Hash)]
 pub(crate) struct VolumeKey {
     pub(super) drawn: Drawn,
-    /// The part of each trimmed polygon, or 0.
-    pub(super) part: u32,
     pub(super) casters: Casters,
     pub(super) format: ShadowFormat,
 }

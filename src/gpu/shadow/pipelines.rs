@@ -17,10 +17,13 @@ use crate::stages::{CAP_FACES, PIECE_VOLUMES, SIDES};
 /// The kind of the first list of light and dark caps in `wgsl/shadow/draw_lists.wgsl`. Near caps begin at 0.
 const FAR: u32 = 2;
 
+/// The most parts of a trimmed polygon.
+pub(crate) const MOST_PARTS: u32 = 7;
+
 /// The layouts of the bind groups that draws use.
 #[derive(Clone, Debug)]
 pub(crate) struct Layouts {
-    /// Casters, camera and lights.
+    /// Casters, camera and lights, and the part of trimmed polygons.
     pub(crate) frame: wgpu::BindGroupLayout,
     /// Edges and the lists of sides.
     pub(crate) side_data: wgpu::BindGroupLayout,
@@ -30,11 +33,12 @@ pub(crate) struct Layouts {
     pub(crate) piece_data: wgpu::BindGroupLayout,
 }
 
-/// The pipelines of an indirect draw: one, or one for each part of trimmed polygons.
+/// An indirect draw, which is made once for each part of trimmed polygons.
 #[derive(Debug)]
 pub(crate) struct PartDraw {
     pub(super) drawn: Drawn,
-    pub(super) pipelines: Vec<wgpu::RenderPipeline>,
+    pub(super) pipeline: wgpu::RenderPipeline,
+    pub(super) polygon_parts: u32,
 }
 
 // Indices of the fields of `ShadowDraws`. The first four are those of `PieceDraws`, too. Caps have two: those that count up
@@ -210,15 +214,15 @@ impl VolumePipelines {
     pub(crate) fn of(&self, part: Part) -> &[PartDraw] {
         self.parts[part as usize].get_or_init(|| {
             let layouts = layouts(&self.shared);
-            let all = part.draws(self.convention.counting);
-            let keys: Vec<_> = all.iter().map(|&drawn| self.keys(drawn)).collect();
-            self.shared.make_volumes(&keys.concat(), |key| self.make(&layouts, key));
-            let pipeline = |key: &VolumeKey| self.shared.volume(key, || self.make(&layouts, key));
-            let draw = |(drawn, keys): (Drawn, &Vec<VolumeKey>)| PartDraw {
-                drawn,
-                pipelines: keys.iter().map(pipeline).collect(),
+            let key = |drawn| VolumeKey { drawn, casters: self.casters, format: self.format.clone() };
+            let keys: Vec<_> = part.draws(self.convention.counting).into_iter().map(key).collect();
+            self.shared.make_volumes(&keys, |key| self.make(&layouts, key));
+            let draw = |key: &VolumeKey| PartDraw {
+                drawn: key.drawn,
+                pipeline: self.shared.volume(key, || self.make(&layouts, key)),
+                polygon_parts: if self.format.trim { polygon_parts(key.drawn.entry_point) } else { 1 },
             };
-            all.into_iter().zip(&keys).map(draw).collect()
+            keys.iter().map(draw).collect()
         })
     }
 
@@ -237,7 +241,7 @@ pub(crate) fn layouts(pipelines: &Pipelines) -> Layouts {
         pipelines.layout(label, entries(wgpu::ShaderStages::VERTEX, (0..).zip(types.iter().copied())))
     };
     Layouts {
-        frame: layout("shadow frame", &[UNIFORM, uniform, view_light, READ]),
+        frame: layout("shadow frame", &[UNIFORM, uniform, view_light, READ, uniform]),
         side_data: layout("shadow sides", &[READ; 6]),
         cap_data: layout("shadow caps", &[READ; 5]),
         piece_data: layout("shadow pieces", &[READ]),
@@ -280,14 +284,8 @@ fn sample_counts(device: &wgpu::Device, format: wgpu::TextureFormat) -> Vec<u32>
 }
 
 impl VolumePipelines {
-    fn keys(&self, drawn: Drawn) -> Vec<VolumeKey> {
-        let parts = if self.format.trim { parts(drawn.entry_point) } else { 1 };
-        let key = |part| VolumeKey { drawn, part, casters: self.casters, format: self.format.clone() };
-        (0..parts).map(key).collect()
-    }
-
     fn make(&self, layouts: &Layouts, key: &VolumeKey) -> wgpu::RenderPipeline {
-        let &VolumeKey { drawn, part, casters, ref format } = key;
+        let &VolumeKey { drawn, casters, ref format } = key;
         let Drawn { polygons, entry_point, kind, count, is_swapped, .. } = drawn;
         let Layouts { frame, side_data, cap_data, piece_data } = layouts;
         let (stage, data) = match polygons {
@@ -297,12 +295,8 @@ impl VolumePipelines {
         };
         let module = self.shared.module(stage.name, &stage.wgsl());
         let unclipped_depth = count == Count::Behind && format.has_far_plane;
-        let constants = [
-            ("TRIM", switch(format.trim)),
-            ("PART", f64::from(part)),
-            ("UNCLIPPED", switch(unclipped_depth)),
-            ("CAP_KIND", f64::from(kind)),
-        ];
+        let constants =
+            [("TRIM", switch(format.trim)), ("UNCLIPPED", switch(unclipped_depth)), ("CAP_KIND", f64::from(kind))];
         let topology = if is_list(entry_point) {
             wgpu::PrimitiveTopology::TriangleList
         } else {
@@ -316,7 +310,7 @@ impl VolumePipelines {
             layouts: &[frame, data],
             vertex: (&module, entry_point),
             fragment: Some((&module, "nothing")),
-            constants: if polygons == Polygons::Caps { &constants } else { &constants[..3] },
+            constants: if polygons == Polygons::Caps { &constants } else { &constants[..2] },
             primitive: wgpu::PrimitiveState { topology, front_face, unclipped_depth, ..Default::default() },
             depth_stencil: Some(depth_stencil(format.depth_stencil, false, compare, stencil)),
             samples: format.samples,
@@ -331,11 +325,11 @@ fn is_list(entry_point: &str) -> bool {
 }
 
 /// The parts of the largest polygon that trimming at six planes leaves: two triangles of a strip each, or one of a list.
-fn parts(entry_point: &str) -> u32 {
+fn polygon_parts(entry_point: &str) -> u32 {
     match entry_point {
         "light_cap" | "zp_plus_2005_side" | "zp_plus_2005_cap" => 1,
         // Nine corners, ten, eleven.
-        "dark_cap" | "piece_dark_cap" => 7,
+        "dark_cap" | "piece_dark_cap" => MOST_PARTS,
         "side" | "piece_side" => 4,
         _ => 5,
     }

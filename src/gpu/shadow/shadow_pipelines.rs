@@ -8,7 +8,7 @@ use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::shadow::Counting;
 
-/// A triangle over the whole picture.
+/// A triangle over the whole viewport.
 const WHOLE: &str = "
 @vertex fn whole(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4<f32> {
   return vec4<f32>(select(-1.0, 3.0, vertex == 1u), select(-1.0, 3.0, vertex == 2u), 0.5, 1.0);
@@ -21,24 +21,25 @@ const WHOLE: &str = "
 #[derive(Debug)]
 pub struct ShadowPipelines {
     pub(crate) volumes: VolumePipelines,
-    /// If casters are counted in batches.
+    /// `None`: casters are counted in one batch.
     resolve: Option<Resolve>,
 }
 
-/// The pipeline that turns counts into the bit of darkness.
+/// The pipeline that is drawn between two batches of casters: it turns the counts of the first into the dark bit.
 #[derive(Debug)]
 struct Resolve {
     pipeline: wgpu::RenderPipeline,
-    /// The bit of the stencil that is set where earlier batches of casters darken: the highest bit of counts.
-    dark: u32,
+    /// The dark bit of the stencil, the highest of the bits of counts. It is set where earlier batches cast a shadow.
+    dark_bit: u32,
 }
 
 impl ShadowPipelines {
     /// Makes the pipelines. `pipelines` is the caller's device, or the [`Pipelines`] that the scenes share. `counting` is
-    /// that of the scenes; see [`SceneOptions`](crate::gpu::SceneOptions).
+    /// that of the scenes, [`SceneOptions::counting`](crate::gpu::SceneOptions::counting).
     ///
     /// # Errors
-    /// [`ShadowError`] if the device lacks what shadow volumes need, or cannot draw into the attachments.
+    /// [`ShadowError`] if the device lacks what shadow volumes need, or cannot draw into the attachments, or if
+    /// [`ShadowFormat::count_bits`] is not 1 to 8.
     pub fn new(
         pipelines: impl Into<Pipelines>,
         format: &ShadowFormat,
@@ -49,11 +50,11 @@ impl ShadowPipelines {
     }
 
     /// Makes the pipelines for scenes whose casters are counted in several batches
-    /// ([`StencilCounts::count_batches`](crate::gpu::StencilCounts::count_batches)). The highest of
-    /// [`ShadowFormat::count_bits`] is set where earlier batches darken.
+    /// ([`StencilCounts::count_batches`](crate::gpu::StencilCounts::count_batches)). Each batch counts with one bit less than
+    /// [`ShadowFormat::count_bits`]. The highest of these bits is set where earlier batches cast a shadow.
     ///
     /// # Errors
-    /// The errors of [`Self::new`].
+    /// The errors of [`Self::new`]. `count_bits` must be at least 2.
     pub fn in_batches(
         pipelines: impl Into<Pipelines>,
         format: &ShadowFormat,
@@ -75,11 +76,11 @@ impl ShadowPipelines {
         self.resolve.is_some()
     }
 
-    /// Where a count is not 0, sets the bit of darkness and the count to 0.
+    /// Where a count is not 0, sets the dark bit, and the count to 0. Sets the stencil reference of the pass to 0.
     pub(crate) fn resolve(&self, pass: &mut wgpu::RenderPass<'_>) {
         if let Some(resolve) = &self.resolve {
             pass.set_pipeline(&resolve.pipeline);
-            pass.set_stencil_reference(resolve.dark);
+            pass.set_stencil_reference(resolve.dark_bit);
             pass.draw(0..3, 0..1);
             pass.set_stencil_reference(0);
         }
@@ -89,7 +90,7 @@ impl ShadowPipelines {
 fn resolve(pipelines: &Pipelines, format: &ShadowFormat) -> Resolve {
     let counts = Casters::Batches.largest_count(format.count_bits);
     let module = pipelines.module("resolve counts", WHOLE);
-    // The reference has no bit of the count, so the comparison is with 0.
+    // The reference is the dark bit, which `read_mask` leaves out, so the comparison is of the count with 0.
     let face = wgpu::StencilFaceState {
         compare: wgpu::CompareFunction::NotEqual,
         pass_op: wgpu::StencilOperation::Replace,
@@ -108,5 +109,5 @@ fn resolve(pipelines: &Pipelines, format: &ShadowFormat) -> Resolve {
         samples: format.samples,
         targets: &unchanged(&format.colors),
     });
-    Resolve { pipeline, dark: counts + 1 }
+    Resolve { pipeline, dark_bit: counts + 1 }
 }

@@ -124,7 +124,10 @@ impl VolumeStages {
     ) {
         let (batch, view_light) = (light / 32, view * sizes.lights + light);
         let uniform = (count_batch * sizes.view_lights() + view_light) * UniformTable::stride::<ShadowDraw>();
-        let offsets = [uniform as u32, (view_light * size_of::<ViewLight>()) as u32];
+        let offsets = |part: usize| {
+            [uniform, view_light * size_of::<ViewLight>(), part * UniformTable::stride::<[u32; 4]>()]
+                .map(|at| at as u32)
+        };
         let [first, first_piece] =
             [size_of::<ShadowDraws>(), size_of::<PieceDraws>()].map(|size| (view_light * size) as u64);
         let groups = self.parts.chunks(sizes.batches().max(1));
@@ -133,7 +136,7 @@ impl VolumeStages {
             let Some(PartGroups { frame, views, pieces }) = batches.get(batch) else { continue };
             let Some([sides, caps]) = views.get(view) else { continue };
             let pieces = pieces.as_ref().zip(piece_draws.as_ref());
-            pass.set_bind_group(0, frame, &offsets);
+            pass.set_bind_group(0, frame, &offsets(0));
             let parts = [
                 (sizes.options.end_at_range, Part::Ends),
                 (size.shape.proxies > 0, Part::Proxies),
@@ -142,7 +145,7 @@ impl VolumeStages {
             ];
             let parts = parts.into_iter().filter(|(is_drawn, _)| *is_drawn);
             let mut set = None;
-            for PartDraw { drawn, pipelines } in parts.flat_map(|(_, part)| pipelines.of(part)) {
+            for PartDraw { drawn, pipeline, polygon_parts } in parts.flat_map(|(_, part)| pipelines.of(part)) {
                 let Drawn { polygons, argument, .. } = drawn;
                 let (data, arguments, first) = match (polygons, pieces) {
                     (Polygons::Pieces, Some((pieces, draws))) => (pieces, draws, first_piece),
@@ -153,8 +156,12 @@ impl VolumeStages {
                     pass.set_bind_group(1, data, &[]);
                     set = Some(*polygons);
                 }
-                for pipeline in pipelines {
-                    pass.set_pipeline(pipeline);
+                pass.set_pipeline(pipeline);
+                for part in 0..*polygon_parts {
+                    // Draws with one part do not read its index.
+                    if *polygon_parts > 1 {
+                        pass.set_bind_group(0, frame, &offsets(part as usize));
+                    }
                     pass.draw_indirect(arguments, first + argument * size_of::<DrawArguments>() as u64);
                 }
             }
@@ -327,7 +334,7 @@ impl<'a> Binder<'a> {
     /// The bind groups of the draws, for each group and batch.
     fn draws(&self) -> Vec<PartGroups> {
         let Layouts { frame, side_data, cap_data, piece_data } = &layouts(self.pipelines);
-        let VolumeBuffers { shapes, draw_lights, view_lights, .. } = self.buffers;
+        let VolumeBuffers { shapes, draw_lights, view_lights, polygon_parts, .. } = self.buffers;
         let bind = |layout: &wgpu::BindGroupLayout, resources: &[Resource<'_>]| {
             group(self.device, "shadow volumes", layout, resources)
         };
@@ -344,6 +351,7 @@ impl<'a> Binder<'a> {
                 uniform::<ShadowDraw>(draw_lights, 0),
                 part(view_lights, 0..size_of::<ViewLight>() as u64),
                 whole(self.source.table),
+                uniform::<[u32; 4]>(polygon_parts, 0),
             ];
             let of_view = |view: usize| {
                 let scope = self.scope(number, view);

@@ -25,6 +25,7 @@ pub(super) const TESTS: &[Test] = &[
     ("casters_that_touch_the_near_rectangle_cast_with_every_face", touching_near_rectangle),
     ("lights_in_the_casters_box_make_every_face_cast", lights_in_box),
     ("the_published_frustum_begins_before_the_caster", published_frustum),
+    ("the_published_frustum_of_numbers_that_overflow_is_defined", overflowing_frustum),
     ("volumes_end_beyond_the_range_and_hardly_later", volumes_end),
     ("receivers_limit_no_volume_whose_numbers_overflow", overflow),
     ("boxes_whose_numbers_overflow_may_have_the_light_and_the_camera", uncertain),
@@ -173,6 +174,36 @@ fn published_frustum() -> Result<(), String> {
     println!("{seen} corners between light and near rectangle, {near} of them near the light");
     assert!(near > 500, "not vacuous");
     Ok(())
+}
+
+/// It begins as near to the light as any, where the caster may be anywhere.
+fn overflowing_frustum() -> Result<(), String> {
+    let (gpu, mut random) = Gpu::seeded(204)?;
+    let probe = Probe::of(
+        &gpu,
+        &COUNTING_METHODS,
+        [2, 1],
+        "out[0].x = frustum_near_end(pair.view, pair.light, 1.0, input_position(0u), input_position(1u));",
+    )?;
+    let camera = Pose::random(&mut random, DVec3::ZERO, 1.0).camera(0, false);
+    let seen = |light, x| {
+        let mut view = shadow::view(&camera).map_err(text)?;
+        let of_camera = shadow::light(&camera, &view, light);
+        view.placement = [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+        Ok::<_, String>((view, of_camera))
+    };
+    let [near, far] = [Light::point([0.0; 3]), Light::point([1.5e38; 3])];
+    let seen = [seen(near, 0.0)?, seen(far, 0.0)?, seen(Light::directional([0.0, 0.0, 1.0]), f32::MAX)?];
+    let inputs = [
+        (0, [[100.0; 3], [101.0; 3]]),
+        // Infinity over itself.
+        (1, [[-3e38; 3], [-2e38; 3]]),
+        // The height of infinity.
+        (2, [[f32::MAX, -1.0, -5.0], [f32::MAX, 1.0, -4.0]]),
+    ];
+    let found = probe.run(&gpu, &[], &seen, &inputs)?;
+    let found: Vec<_> = found.iter().map(|out| out[0][0]).collect();
+    same("near ends", &found, &[0.99, 0.001, f32::MAX])
 }
 
 /// By either method whose volumes end. Casters that are clearly out of range are skipped, and no others.

@@ -9,13 +9,12 @@ use rimline::internals::scene::CHOICE_WORDS;
 use rimline::internals::shadow::{CAST_BACK_FACING, CAST_EVERY};
 use rimline::{Light, Predicate};
 use rimline_testkit::device::Gpu;
+use rimline_testkit::frames::{Eye, vector};
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
 use rimline_testkit::shapes::{self, Shape};
 use rimline_testkit::{IDENTITY, is_long, must_fail};
-
-use crate::scene::{Eye, vector};
 
 pub(super) const TESTS: &[Test] =
     &[("bounds_hold_for_piles_of_casters", piles), ("opposite_piles_do_not_add_up", opposite_piles)];

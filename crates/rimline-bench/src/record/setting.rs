@@ -1,4 +1,4 @@
-//! Casters, lights, a camera, and the ground.
+//! Settings, which benchmarks record: casters, lights, a camera, the ground, and how they move from frame to frame.
 
 use glam::{Mat4, Vec3, Vec4};
 use rimline::{DepthDirection, Light, Matrix3x4, Model, ModelError, Pose, ShadowCamera};
@@ -45,29 +45,30 @@ pub struct Setting {
     pub camera: ShadowCamera,
     /// Height of the ground, a wide plane that receives and does not cast. `None`: there is none.
     pub ground: Option<f32>,
-    /// By how much lights turn about the y axis from frame to frame, in radians.
+    /// The angle by which lights turn about the y axis of the world in each frame, in radians.
     pub turn: f32,
-    /// How far rigid casters move to and fro from frame to frame. Receivers stay where they are.
+    /// In every other frame rigid casters are moved by this along each axis. The surfaces that receive shadows stay.
     pub drift: f32,
-    /// Polygons of a shape, by its number, behind which its casters hide others from lights.
+    /// The index of a shape, and polygons on its faces. They are occluders of each caster of the shape: casters behind
+    /// them, as seen from a light, are culled.
     pub occluders: Option<(usize, Vec<[[f32; 3]; 4]>)>,
-    /// Pairs of caster and light of which the light's range reaches the caster, where casters begin.
+    /// The number of pairs of a caster and a light whose range reaches it, in the first frame.
     pub pairs_in_range: usize,
 }
 
 impl Setting {
-    /// Casters in the range of all lights, over no ground.
+    /// Each light's range reaches every caster. There is no ground and no occluder, and nothing moves.
     pub fn new(casters: Casters, lights: Vec<Light>, camera: ShadowCamera) -> Self {
         let pairs_in_range = casters.count() * lights.len();
         Self { casters, lights, camera, ground: None, turn: 0.0, drift: 0.0, occluders: None, pairs_in_range }
     }
 
-    /// Rigid casters that stay.
+    /// [`Self::new`] of rigid casters.
     pub fn rigid(shapes: Vec<Shape>, placed: Vec<(usize, Matrix3x4)>, lights: Vec<Light>, camera: &Camera) -> Self {
         Self::new(Casters::Rigid { shapes, placed }, lights, camera.shadow())
     }
 
-    /// Shapes in the same light, seen by the same camera.
+    /// [`Self::new`] of shapes in buffers, with the lights and the camera of this setting.
     #[must_use]
     pub fn in_buffers(&self, shapes: Vec<Shape>) -> Self {
         Self::new(Casters::InBuffers(shapes), self.lights.clone(), self.camera)
@@ -75,11 +76,11 @@ impl Setting {
 }
 
 pub enum Casters {
-    /// Shapes, and for each caster its shape and where it stands.
+    /// Shapes, and for each caster the index of its shape, and the matrix from the shape to the world.
     Rigid { shapes: Vec<Shape>, placed: Vec<(usize, Matrix3x4)> },
     /// Shapes whose positions lie in buffers of the caller, in world space.
     InBuffers(Vec<Shape>),
-    /// Skinned casters that walk: the model, and its pose after so many frames.
+    /// Skinned casters that walk: the model, and its pose in a frame.
     Walking { model: Model, pose: Box<dyn Fn(usize) -> Result<Pose, ModelError>> },
 }
 
@@ -100,8 +101,8 @@ impl Casters {
         }
     }
 
-    /// Rigid casters in world space, a shape each.
-    pub fn placed(&self) -> Vec<Shape> {
+    /// A shape in world space for each rigid caster. None for other casters.
+    pub fn world_shapes(&self) -> Vec<Shape> {
         let Self::Rigid { shapes, placed } = self else { return Vec::new() };
         let shape = |(shape, matrix): &(usize, Matrix3x4)| {
             let at = |[x, y, z]: [f32; 3]| matrix.map(|row| row[0] * x + row[1] * y + row[2] * z + row[3]);
@@ -112,6 +113,6 @@ impl Casters {
 
     /// Rigid casters as one mesh. Their vertices are not welded.
     pub fn merged(&self) -> Shape {
-        Shape::joined(&self.placed())
+        Shape::joined(&self.world_shapes())
     }
 }

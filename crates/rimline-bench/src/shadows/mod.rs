@@ -74,34 +74,14 @@ pub(crate) fn measure(
         Ok(Drawn { scene, surfaces, depth: gpu.texture([stage.size; 2], DEPTH), receivers: None })
     });
     let mut drawn = drawn.collect::<Result<Vec<_>, _>>()?;
-    let look = |drawn: &mut Drawn<'_>, camera: &Camera| {
-        drawn.scene.camera = camera.shadow();
-        drawn.surfaces.iter().for_each(|surfaces| surfaces.look(gpu, &camera.shadow()));
-    };
-    let mut wrong = vec![Vec::new(); METHODS.len()];
-    let truth = Truth::new(&stage, light);
-    // About four of each path are held against rays.
-    for frame in (0..plan.count).step_by(plan.count.div_ceil(4).max(1)) {
-        if host.is_stopped() {
-            return Err(Error::Stopped);
-        }
-        let camera = plan.camera(path, frame);
-        let seen = truth.seen(&camera);
-        for (drawn, wrong) in drawn.iter_mut().zip(&mut wrong) {
-            look(drawn, &camera);
-            let counts = gpu.pixels(&drawn.depth.clone(), TextureAspect::StencilOnly, |encoder| {
-                ["stages", "depth", STENCIL].into_iter().try_for_each(|part| drawn.record(encoder, part, None))
-            })?;
-            wrong.push(seen.wrong(&counts) as f64);
-        }
-    }
+    let wrong = wrong_pixels(plan, gpu, (path, &Truth::new(&stage, light)), &mut drawn, host)?;
     let mut contenders: Vec<(Variant, Contender<'_>)> = Vec::new();
     for (drawn, (id, name, _, colour, shape)) in drawn.iter_mut().zip(METHODS) {
         let mut stopwatch = Stopwatch::new(gpu);
         let run = move || {
             let mut sums = [0.0; 2];
             for frame in 0..plan.count {
-                look(drawn, &plan.camera(path, frame));
+                look(gpu, drawn, &plan.camera(path, frame));
                 let timed = stopwatch.frame(&["stages", "depth", STENCIL, "light"], |encoder, part, timer| {
                     drawn.record(encoder, part, timer)
                 })?;
@@ -127,4 +107,35 @@ pub(crate) fn measure(
         ],
         entries: entries.collect(),
     })
+}
+
+fn look(gpu: &Gpu, drawn: &mut Drawn<'_>, camera: &Camera) {
+    drawn.scene.camera = camera.shadow();
+    drawn.surfaces.iter().for_each(|surfaces| surfaces.look(gpu, &camera.shadow()));
+}
+
+/// For each of `drawn` the wrong pixels of some frames: about four of each path are held against rays.
+fn wrong_pixels(
+    plan: Frames,
+    gpu: &Gpu,
+    (path, truth): (Path, &Truth),
+    drawn: &mut [Drawn<'_>],
+    host: &dyn Host,
+) -> Result<Vec<Vec<f64>>, Error> {
+    let mut wrong = vec![Vec::new(); drawn.len()];
+    for frame in (0..plan.count).step_by(plan.count.div_ceil(4).max(1)) {
+        if host.is_stopped() {
+            return Err(Error::Stopped);
+        }
+        let camera = plan.camera(path, frame);
+        let seen = truth.seen(&camera);
+        for (drawn, wrong) in drawn.iter_mut().zip(&mut wrong) {
+            look(gpu, drawn, &camera);
+            let counts = gpu.pixels(&drawn.depth.clone(), TextureAspect::StencilOnly, |encoder| {
+                ["stages", "depth", STENCIL].into_iter().try_for_each(|part| drawn.record(encoder, part, None))
+            })?;
+            wrong.push(seen.wrong(&counts) as f64);
+        }
+    }
+    Ok(wrong)
 }

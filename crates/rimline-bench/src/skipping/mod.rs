@@ -6,18 +6,20 @@ mod walk;
 use std::cell::RefCell;
 
 use rimline::gpu::{Measuring, SceneOptions};
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::casters::Devices;
 use crate::engine::{Contender, Metric, Rounds, Sample, times};
 use crate::gpu::{Stopwatch, beside_draws};
-use crate::record::{Counted, DEPTH, Drawn, FragmentCounter, STENCIL, SceneRecorder, Surfaces, Until};
+use crate::record::{Counted, DEPTH, Drawn, FragmentCounter, STENCIL, SceneRecorder, Setting, Surfaces, Until};
 use crate::row::{Row, Section, Variant, compare};
 use crate::{Error, Host};
 use scenes::SkipScene;
 
 /// Frames before one is counted, so that what does not change was computed before.
 const SETTLED: usize = 2;
+
+const DEFORM: Metric = Metric::Time("deform");
 
 /// Levels of skipping: names in the data and for people, and the work that is done without them. Clusters have an option
 /// of their own.
@@ -126,6 +128,8 @@ pub(crate) fn measure(
     });
     let entries = compare(rounds, contenders.collect(), host)?.into_iter().zip(&counts).map(|(entry, counted)| {
         let (counted, fragments) = counted;
+        // Not known where all stages have one time.
+        let entry = if entry.values(DEFORM).is_empty() { entry.with(DEFORM, []) } else { entry };
         let entry = COUNTERS.iter().fold(entry, |entry, (name, of)| entry.with_count(name, of(counted) as usize));
         fragments.iter().fold(entry, |entry, &found| entry.with_count("fragments", found as usize))
     });
@@ -135,16 +139,20 @@ pub(crate) fn measure(
         scene: scene.name.to_owned(),
         title: scene.title(casters),
         group: scene.name.to_owned(),
-        facts: vec![
-            ("view", json!(scene.view)),
-            ("casters", json!(setting.casters.count())),
-            ("faces", json!(setting.casters.faces())),
-            ("lights", json!(setting.lights.len())),
-            ("pairs_in_range", json!(setting.pairs_in_range)),
-            ("size", json!(size)),
-        ],
+        facts: facts(&scene, &setting, size),
         entries,
     })
+}
+
+fn facts(scene: &SkipScene, setting: &Setting, size: u32) -> Vec<(&'static str, Value)> {
+    vec![
+        ("view", json!(scene.view)),
+        ("casters", json!(setting.casters.count())),
+        ("faces", json!(setting.casters.faces())),
+        ("lights", json!(setting.lights.len())),
+        ("pairs_in_range", json!(setting.pairs_in_range)),
+        ("size", json!(size)),
+    ]
 }
 
 /// Times the stages, on a device on which nothing is drawn.

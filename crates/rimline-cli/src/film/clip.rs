@@ -36,6 +36,9 @@ impl Format {
 /// Most pictures a second that browsers show of a GIF.
 const GIF_FPS: f32 = 50.0;
 
+/// The most hundredths of a second that a GIF shows a picture.
+const GIF_DELAY: f64 = 65535.0;
+
 pub(super) struct Clip<'a> {
     args: &'a FilmArgs,
     output: Output,
@@ -61,6 +64,11 @@ impl<'a> Clip<'a> {
             Format::Gif if args.scene.view.size.iter().any(|&side| u16::try_from(side).is_err()) => {
                 return Err(Failure::usage(
                     "a GIF has at most 65535 pixels in each direction; give a smaller --size, or .apng",
+                ));
+            }
+            Format::Gif if f64::from(args.fps) * GIF_DELAY < 100.0 => {
+                return Err(Failure::usage(
+                    "a GIF shows a picture for at most 655.35 seconds; give a larger --fps, or .apng",
                 ));
             }
             Format::Gif if args.fps > GIF_FPS => {
@@ -116,11 +124,10 @@ impl Film for Clip<'_> {
         let written = match &mut self.encoder {
             None => Ok(()),
             Some(Encoder::Gif(encoder)) => {
-                // Delays are rounded so that the film keeps its length, unless a picture lasts under 2 or over 65,535
-                // hundredths of a second.
+                // Delays are rounded so that the film keeps its length, unless a picture lasts under 2 hundredths of a second.
                 let at = |frame: u32| (100.0 * f64::from(frame) / f64::from(self.args.fps)).round() as u64;
                 let mut picture = gif::Frame::from_rgb_speed(width as u16, height as u16, &rgb, 10);
-                picture.delay = (at(frame + 1) - at(frame)).clamp(2, 65535) as u16;
+                picture.delay = (at(frame + 1) - at(frame)).clamp(2, GIF_DELAY as u64) as u16;
                 encoder.write_frame(&picture).map_err(io::Error::other)
             }
             Some(Encoder::Apng(encoder)) => encoder.write_image_data(&rgb).map_err(io::Error::from),
@@ -147,11 +154,16 @@ impl Film for Clip<'_> {
     }
 }
 
-/// Seconds from a picture to the next, as a fraction.
+/// Seconds from a picture to the next, as a fraction: the nearest of those with a power of ten on one side.
 fn delay(fps: f32) -> (u16, u16) {
-    let scaled = |numerator: u16| (f64::from(fps) * f64::from(numerator)).round();
-    let numerator = [1000, 100, 10].into_iter().find(|&numerator| scaled(numerator) <= 65535.0).unwrap_or(1);
-    (numerator, scaled(numerator).clamp(1.0, 65535.0) as u16)
+    const SIDES: [f64; 4] = [1000.0, 100.0, 10.0, 1.0];
+    let fps = f64::from(fps);
+    let whole = |number: f64| number.round().clamp(1.0, 65535.0);
+    let fast = SIDES.map(|numerator| (numerator, whole(numerator * fps)));
+    let slow = SIDES.map(|denominator| (whole(denominator / fps), denominator));
+    let error = |&(numerator, denominator): &(f64, f64)| (numerator / denominator * fps - 1.0).abs();
+    let nearest = fast.into_iter().chain(slow).min_by(|one, other| error(one).total_cmp(&error(other)));
+    nearest.map_or((1, 1), |(numerator, denominator)| (numerator as u16, denominator as u16))
 }
 
 /// A running ffmpeg, which reads pictures and writes a file of its own: MP4 is not written from front to back.
@@ -230,5 +242,7 @@ mod tests {
         let of = |fps: f32| delay(fps);
         assert_eq!((of(25.0), of(0.001), of(29.97)), ((1000, 25000), (1000, 1), (1000, 29970)));
         assert_eq!((of(100.0), of(1e5)), ((100, 10000), (1, 65535)));
+        // Two thirds of 1000 seconds, not half of them.
+        assert_eq!((of(0.0015), of(0.3)), ((6667, 10), (1000, 300)));
     }
 }

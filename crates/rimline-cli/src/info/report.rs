@@ -1,8 +1,7 @@
 //! Report on a mesh, gathered once for text and JSON.
 
-use rimline::internals::model::most_per_vertex;
 use rimline::mesh::{Edge, EdgeCounts, EdgeKind, MeshDiagnostics, WeldCounts};
-use rimline::{Geometry, Mesh, MeshError, Origin};
+use rimline::{Geometry, Influences, Mesh, MeshError, Origin};
 use rimline_picture::Bounds;
 use serde_json::{Value, json};
 
@@ -43,7 +42,7 @@ impl MeshReport {
             name: geometry.name().map(str::to_owned),
             vertices,
             morph_targets: geometry.morph_targets().len(),
-            joints_per_vertex: geometry.influences().map_or(0, most_per_vertex),
+            joints_per_vertex: geometry.influences().map_or(0, Influences::most_per_vertex),
             seams: Seams::of(geometry, &mesh),
             ..Self::of_mesh(&mesh, geometry.positions(), origin)
         })

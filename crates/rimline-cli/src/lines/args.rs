@@ -22,7 +22,7 @@ pub(crate) enum Format {
     Pdf,
     /// A drawing for CAD (R12), with a layer a class; in millimetres of the page, or see --dxf-units
     Dxf,
-    /// All spans and chains with their ids
+    /// All spans and chains, with the indices of their objects, edges and faces
     Json,
     /// A picture
     Png,
@@ -53,7 +53,7 @@ pub(crate) struct LinesArgs {
     )]
     pub(crate) view: Side,
 
-    /// The position of the eye, of a perspective drawing
+    /// The position of the eye. The drawing has perspective, unless --ortho is given
     #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = spec::coordinates::<3>)]
     pub(crate) eye: Option<[Coordinate; 3]>,
 
@@ -61,8 +61,8 @@ pub(crate) struct LinesArgs {
     #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = spec::coordinates::<3>, requires = "eye")]
     pub(crate) target: Option<[Coordinate; 3]>,
 
-    /// The vertical field of view in degrees. With --view it makes the view perspective, from where the models just fit in it; with
-    /// --eye it is what the page shows [default: what the models take, at most 100]
+    /// The vertical field of view in degrees. With --view it makes the view perspective, from where a ball around the models fits in
+    /// it; with --eye it is what the page shows [default: what the models take, at most 100]
     #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = spec::field_of_view)]
     pub(crate) fov: Option<f32>,
 
@@ -95,12 +95,12 @@ pub(crate) struct LinesArgs {
     #[arg(long, value_name = "fit|1:N", default_value = "fit", value_parser = parse_scale)]
     pub(crate) scale: Scale,
 
-    /// The unit of the files, for --scale and --dxf-units. By default it is a metre for --scale, as in glTF, and unknown in a DXF
+    /// The unit of the files, for --scale 1:N and --dxf-units model. By default it is a metre for --scale, as in glTF, and unknown in a DXF
     #[arg(long, value_enum)]
     pub(crate) unit: Option<Unit>,
 
     /// How a DXF is measured
-    #[arg(long, value_enum, default_value_t = DxfUnits::Page, conflicts_with_all = ["page", "scale"])]
+    #[arg(long, value_enum, default_value_t = DxfUnits::Page)]
     pub(crate) dxf_units: DxfUnits,
 
     /// A TOML file with widths, colours and dashes of lines
@@ -111,8 +111,8 @@ pub(crate) struct LinesArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(10..=2400))]
     dpi: Option<u32>,
 
-    /// Make so many numbered drawings of a film in the folder --out, all at one scale: of what --animation moves from --time on, or of a
-    /// --turn
+    /// Make so many numbered drawings of a film in the folder --out, all at one scale. --animation moves the models from --time on,
+    /// --turn moves the eye
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_FRAMES))]
     pub(crate) frames: Option<u32>,
 
@@ -152,8 +152,9 @@ Examples:
   rimline lines parts/*.stl --out drawings/{stem}.pdf
   rimline lines fox.glb --animation Run --frames 24 --turn 90 --out frames --format png
 
-A style, with the defaults of some lines; widths and dashes in millimetres. Default widths are
-halved if a fifth of the lines, in the first drawing, is where ink covers most of the page:
+A style; widths and dashes in millimetres. All but its last line are defaults, with --hidden dashed.
+Default widths are halved if, in the first drawing, more than a fifth of the visible lines is where
+ink covers most of the page:
   [silhouette]
   width = 0.5
   color = \"#000000\"
@@ -168,11 +169,11 @@ halved if a fifth of the lines, in the first drawing, is where ink covers most o
 
 const REMARKS: &str = "\
 Whether a line is hidden is decided exactly, by faces that lie strictly in front of it; both sides of a face hide. Equal input gives \
-equal files, on every machine. No GPU is needed. Vertices of a glTF mesh that its pose puts at one point are joined in any case. \
---memory-limit is for the drawing, too.
+equal files, on every machine. No GPU is needed. Vertices of a glTF mesh that its pose puts at one point are joined, also with \
+--no-weld. --memory-limit also limits the drawing.
 
 With --dxf-units model a DXF has coordinates of the files: x to the right and y up on the page, and the origin of the files at 0,0. \
-Dashes are as long as on a page that the drawing fits.
+Dashes are as long as if the drawing were fitted to a page of A4.
 
 Layers of .svg, .pdf and .dxf: one a class for visible lines, and one for hidden lines if they are drawn. Keys of --format json: rimline, \
 title, view (eye, perspective), page_mm, mm_per_unit (null with perspective), objects (names), left_out (object, why), spans and \
@@ -181,30 +182,35 @@ ends) and page (the same in millimetres from the lower left corner); a chain has
 spans).";
 
 impl LinesArgs {
-    /// Refuses options that do not go together and that clap cannot tell.
+    /// Refuses options that do not go together and that clap cannot tell. Warns of options without effect.
     pub(crate) fn check(&self, format: Format) -> Result<(), Failure> {
+        let (in_units, is_scaled) = (self.is_in_units(), self.scale != Scale::Fit);
+        for (option, is_given) in [("--page", self.page.is_some()), ("--scale", is_scaled)] {
+            if in_units && is_given {
+                return Err(Failure::usage(format!("--dxf-units model is 1:1 and has no page; leave out {option}")));
+            }
+        }
         if self.fov.is_some() || (self.eye.is_some() && !self.ortho) {
             self.check_perspective()?;
         }
-        let in_units = self.is_in_units();
-        let has_no_pens = format == Format::Json;
-        let is_idle = |option: &str, why: &str| note(&format!("warning: {option} has no effect {why}"));
-        for (option, is_given, is_of_format) in [
+        let has_pens = format != Format::Json;
+        let warn = |option: &str, why: &str| note(&format!("warning: {option} has no effect {why}"));
+        for (option, is_given, has_effect) in [
             ("--dpi", self.dpi.is_some(), format == Format::Png),
-            ("--style", self.style.is_some(), !has_no_pens),
-            ("--hidden", self.hidden != Hidden::None, !has_no_pens),
+            ("--style", self.style.is_some(), has_pens),
+            ("--hidden", self.hidden != Hidden::None, has_pens),
             ("--dxf-units", in_units, format == Format::Dxf),
         ] {
-            if is_given && !is_of_format {
+            if is_given && !has_effect {
                 let all = if option == "--hidden" { ", which has all lines" } else { "" };
-                is_idle(option, &format!("on {}{all}", format.names().1));
+                warn(option, &format!("on {}{all}", format.names().1));
             }
         }
         if self.crease.is_some() && !self.classes().contains(LineClass::Crease) {
-            is_idle("--crease", "without creases among --classes");
+            warn("--crease", "without creases among --classes");
         }
-        if self.unit.is_some() && self.scale == Scale::Fit && !in_units {
-            is_idle("--unit", "without --scale or --dxf-units");
+        if self.unit.is_some() && !is_scaled && !in_units {
+            warn("--unit", "without --scale 1:N or --dxf-units model");
         }
         if self.frames.is_some_and(|frames| frames > 1) && self.turn == 0.0 && self.pose.animations.is_empty() {
             note("warning: all drawings are the same; give --animation or --turn");
@@ -293,7 +299,7 @@ impl Unit {
 pub(crate) enum DxfUnits {
     /// In millimetres of the page
     Page,
-    /// 1:1 in the unit of the files, which --unit names for CAD. Only without perspective
+    /// 1:1 in the unit of the files, which --unit names for CAD. Only without perspective, --page and --scale
     Model,
 }
 
@@ -329,11 +335,11 @@ fn parse_paper(text: &str) -> Result<Paper, &'static str> {
 pub(crate) enum Scale {
     /// The largest that fits the page.
     Fit,
-    /// So many metres of the page a unit.
+    /// A length on the page for a length of the models, both in one unit.
     Ratio {
         /// A length on the page.
         page: f64,
-        /// The same length of the models.
+        /// The length of the models that it stands for.
         model: f64,
     },
 }

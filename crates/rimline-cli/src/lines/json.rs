@@ -1,4 +1,4 @@
-//! JSON: every span and chain with its ids. An element of a list is a line.
+//! JSON: every span and chain, with the indices of its objects, edges and faces. An element of a list is a line.
 
 use std::io::{self, Write};
 

@@ -12,8 +12,8 @@ use rimline_picture::Bounds;
 
 use super::args::LinesArgs;
 use super::eye::{self, Eye};
-use super::is_finite;
 use super::sheet::{self, Extent};
+use crate::coincident::is_finite;
 use crate::failure::{Failure, NO_FINITE_FACE};
 use crate::input::{Input, Shape};
 use crate::output::Progress;
@@ -160,7 +160,7 @@ fn tell_apart(objects: &mut [Object<'_>]) {
 
 /// Without faces that are not finite, as long as there are others: a warning has counted them. Polygons stay as they are.
 fn finite(object: Object<'static>) -> Result<Object<'static>, Failure> {
-    let faces = object.mesh.faces().iter().copied().filter(|face| is_finite(&object, face));
+    let faces = object.mesh.faces().iter().copied().filter(|face| is_finite(&object.positions, face));
     let faces: Vec<[u32; 3]> = faces.collect();
     if faces.is_empty() || faces.len() == object.mesh.faces().len() || object.mesh.polygons().is_some() {
         return Ok(object);

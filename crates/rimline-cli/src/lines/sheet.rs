@@ -7,8 +7,8 @@ use rimline_lines::{Chain, Drawing, LineClass, Object, PageBox, View};
 
 use super::args::{Hidden, LinesArgs, Paper, Scale, Unit};
 use super::eye::Eye;
-use super::is_finite;
 use super::style::{Pen, Style};
+use crate::coincident::is_finite;
 use crate::failure::Failure;
 use crate::output::{Line, counted};
 
@@ -261,7 +261,8 @@ impl Extent {
     /// Adds objects as an eye sees them.
     pub(crate) fn add(&mut self, args: &LinesArgs, eye: &Eye, objects: &[Object<'_>]) {
         let view = &eye.view;
-        let are_finite = |object: &&Object<'_>| object.mesh.faces().iter().all(|face| is_finite(object, face));
+        let are_finite =
+            |object: &&Object<'_>| object.mesh.faces().iter().all(|face| is_finite(&object.positions, face));
         let is_face = |[a, b, c]: &&[u32; 3]| a != b && b != c && c != a;
         let faces = || {
             objects.iter().filter(are_finite).flat_map(|object| {

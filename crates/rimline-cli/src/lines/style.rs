@@ -18,6 +18,9 @@ pub(crate) struct Pen {
     pub(crate) dash_mm: Vec<f64>,
 }
 
+/// The least sum of dashes and gaps, in millimetres. Finer ones nobody sees, and they round to none or are too many to draw.
+const LEAST_DASHES: f64 = 0.1;
+
 /// The contents of a style file; omitted keys have defaults.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Style {
@@ -128,10 +131,13 @@ fn strokes(table: &Table, heading: &str) -> Result<Strokes, String> {
             }
             "dash" => {
                 let lengths: Option<Vec<f64>> = value.as_array().and_then(|all| all.iter().map(length).collect());
-                let lengths =
-                    lengths.filter(|all| all.len() <= 16 && (all.is_empty() || all.iter().sum::<f64>() > 0.0));
+                let lengths = lengths
+                    .filter(|all| all.len() <= 16 && (all.is_empty() || all.iter().sum::<f64>() >= LEAST_DASHES));
                 strokes.dash_mm = Some(lengths.ok_or_else(|| {
-                    wrong("give lengths of dashes and gaps in millimetres, such as [1.5, 0.8], at most 16; [] is a whole line")
+                    wrong(
+                        "give lengths of dashes and gaps in millimetres, such as [1.5, 0.8], at most 16, together 0.1 at least; \
+                         [] is a whole line",
+                    )
                 })?);
             }
             _ => return Err(wrong("keys are width, color and dash")),
@@ -146,7 +152,9 @@ fn length(value: &Value) -> Option<f64> {
 }
 
 fn color(text: &str) -> Option<[u8; 3]> {
-    let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6 && digits.is_ascii())?;
+    let digits = text
+        .strip_prefix('#')
+        .filter(|digits| digits.len() == 6 && digits.bytes().all(|digit| digit.is_ascii_hexdigit()))?;
     let part = |at: usize| u8::from_str_radix(digits.get(at..at + 2)?, 16).ok();
     Some([part(0)?, part(2)?, part(4)?])
 }
@@ -175,7 +183,9 @@ mod tests {
             ("[outline]\nwidth = 1", "[outline] is no class"),
             ("[crease]\nwidth = 0", "[crease] width: give millimetres"),
             ("[crease]\ncolor = \"red\"", "[crease] color: give a colour"),
+            ("[crease]\ncolor = \"#+f+f+f\"", "[crease] color: give a colour"),
             ("[hidden]\ndash = [0, 0]", "[hidden] dash: give lengths"),
+            ("[hidden]\ndash = [1e-9, 1e-9]", "[hidden] dash: give lengths"),
             ("[hidden.crease]\nwide = 1", "[hidden.crease] wide: keys are"),
             ("crease = 1", "[crease] is no table"),
             ("[crease", "line 1: "),

@@ -308,6 +308,16 @@ impl ShadowArgs {
                 return Err(not_orthographic(option));
             }
         }
+        for (option, prefix) in [("--mask", &self.mask), ("--save-depth", &self.save_depth)] {
+            let given = prefix.as_ref().map(|prefix| prefix.to_string_lossy());
+            if let Some(folder) = given.filter(|prefix| prefix.ends_with(std::path::is_separator)) {
+                // The names would begin with a dot, so hardly anyone would see the files.
+                return Err(Failure::usage(format!(
+                    "{option} is the beginning of files' names, and {folder} is the name of a folder; give one such as \
+                     {folder}light"
+                )));
+            }
+        }
         for (option, is_given) in [
             ("--hide-covered", self.hide_covered),
             ("--depth", self.depth.is_some()),
@@ -351,8 +361,8 @@ triangles in, null with contours), walls (with their flaps; null but with contou
 room for: every cell is drawn then); casting is then depth map, and counting and method are parity), statistics (a list, one \
 for each file, of file, skipped, every_face, \
 capped, count_bound, may_wrap, overflowed_caps, undecided_pairs, overflowed_lists; count_bound, may_wrap and \
-overflowed_caps are null where there are several files), totals (of all files: skipped, every_face and capped count \
-pairs of instance and light, then overflowed_caps, overflowed_sides, undecided_pairs, overflowed_lists, covered_faces: those \
+overflowed_caps are null where there are several files), totals (of all files: skipped and every_face count pairs of \
+instance and light, capped lights, once for each group of instances that are drawn together, then overflowed_caps, overflowed_sides, undecided_pairs, overflowed_lists, covered_faces: those \
 left out), milliseconds \
 (by stage, null where only their sum is known), set_up_milliseconds (opening the device, pipelines, compiling shaders), work_milliseconds (all other \
 stages).";

@@ -7,7 +7,7 @@ use rimline::gpu::{Extraction, StageTimer};
 use rimline::wgpu;
 use rimline_picture::{FacingMasks, OPPOSITE, Surface, SurfaceBuffers, TURNED, corner_normals};
 
-use super::casting::{CastInputs, CoveredFaces, Extracted, PosedModel, put};
+use super::casting::{CastInputs, Extracted, Occlusion, PosedModel, put};
 use super::depth_shadows::DepthShadows;
 use super::scene_shadows::SceneShadows;
 use super::shadows::{RenderResources, Shadows, VolumePipelines};
@@ -29,7 +29,7 @@ pub(crate) struct Casters<'a> {
 
 /// Silhouettes of a body whose volumes are shown.
 struct Shown {
-    /// The light for which they are without covered faces. `None`: they are of all faces, for all lights.
+    /// The light for which they are without occluded faces. `None`: they are of all faces, for all lights.
     light: Option<usize>,
     /// The number of the body.
     body: usize,
@@ -81,15 +81,15 @@ impl<'a> Casters<'a> {
         Ok(())
     }
 
-    /// Leaves out covered faces, for bodies that are placed and stay where they are.
-    pub(super) fn leave_out(&mut self, bodies: &[PosedModel<'_>], covered: &CoveredFaces) -> Result<(), Failure> {
+    /// Leaves out occluded faces, for bodies that are placed and stay where they are.
+    pub(super) fn leave_out(&mut self, bodies: &[PosedModel<'_>], occlusion: &Occlusion) -> Result<(), Failure> {
         let gpu = self.gpu();
-        self.shadows.leave_out(covered).on(gpu)?;
+        self.shadows.leave_out(occlusion).on(gpu)?;
         let Some(shown) = &mut self.shown else { return Ok(()) };
         shown.clear();
         for (number, body) in bodies.iter().enumerate() {
-            for light in 0..covered.found.len() {
-                if let Some(mesh) = covered.casting(bodies, number, light)? {
+            for light in 0..occlusion.found.len() {
+                if let Some(mesh) = occlusion.casting(bodies, number, light)? {
                     let extracted = Extracted::new(gpu, &mesh, body, self.max_lights)?;
                     shown.push(Shown { light: Some(light), body: number, extracted });
                 }

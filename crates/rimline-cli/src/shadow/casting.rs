@@ -5,13 +5,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::ControlFlow;
 
 use rimline::cpu::{self, OccludedFaces, OcclusionCaster, OcclusionOptions, Threads};
-use rimline::gpu::{Extraction, Extractor, ExtractorOptions, LightHandle, Scene, ShadowError, StageTimer};
-use rimline::internals::cpu::is_finite;
-use rimline::internals::layout::ExtractionStatistics;
+use rimline::gpu::{
+    Extraction, ExtractionStatistics, Extractor, ExtractorOptions, LightHandle, Scene, ShadowError, StageTimer,
+};
 use rimline::mesh::MAX_FACES;
 use rimline::{Displacement, Geometry, Light, Mesh, MeshError, Predicate, ShadowCamera, wgpu};
 use rimline_picture::FacingMasks;
 
+use crate::coincident::is_finite;
 use crate::device::{Gpu, GpuError, On as _};
 use crate::failure::Failure;
 use crate::input::{Input, Positions, Shape};
@@ -100,14 +101,14 @@ impl Extracted {
 pub(super) const VERSION: u64 = 0;
 
 /// Faces whose shadow other faces cast, of the instances of all files.
-pub(crate) struct CoveredFaces {
+pub(crate) struct Occlusion {
     /// For each file.
     meshes: Vec<BTreeMap<Topology, Mesh>>,
     /// For each light.
     pub(super) found: Vec<OccludedFaces>,
 }
 
-impl CoveredFaces {
+impl Occlusion {
     pub(crate) fn find(bodies: &[PosedModel<'_>], lights: &[Light]) -> Result<Self, Failure> {
         let meshes = |body: &PosedModel<'_>| {
             let topologies: BTreeSet<Topology> = body.topologies.iter().copied().collect();
@@ -127,7 +128,7 @@ impl CoveredFaces {
         Ok(Self { meshes, found })
     }
 
-    /// The faces of a file's instances that cast for a light where averted faces suffice, as a mesh over the file's vertices.
+    /// The faces of a file's instances that cast for a light where back-facing faces suffice, as a mesh over the file's vertices.
     /// There is none if no face casts.
     pub(super) fn casting(
         &self,
@@ -144,10 +145,10 @@ impl CoveredFaces {
         for (number, OcclusionCaster { mesh, positions, .. }) in (first..).zip(casters(meshes, body)) {
             let extracted = cpu::extract(positions, mesh, &[found.light()], Predicate::Exact, Threads::default());
             let facing = extracted.map_err(|error| Failure::usage(error.to_string()))?.facing;
-            let covered = found.faces(number);
+            let occluded = found.faces(number);
             for ((face, corners), mask) in (0_u32..).zip(mesh.faces()).zip(facing) {
                 let casts = mask & 1 == 0 || !mesh.is_closed();
-                if casts && covered.binary_search(&face).is_err() {
+                if casts && occluded.binary_search(&face).is_err() {
                     faces.push(corners.map(|vertex| vertex + first_vertex));
                 }
             }
@@ -265,7 +266,7 @@ impl<'a> PosedModel<'a> {
 
     /// The vertices of the faces that are drawn, those with finite positions; each once.
     pub(crate) fn points(&self) -> impl Iterator<Item = [f32; 3]> + '_ {
-        let is_drawn = |face: &&[u32; 3]| face.iter().all(|&v| is_finite(self.world[v as usize]));
+        let is_drawn = |face: &&[u32; 3]| is_finite(&self.world, face);
         let mut is_used = vec![false; self.world.len()];
         for &v in self.faces.iter().filter(is_drawn).flatten() {
             is_used[v as usize] = true;

@@ -3,12 +3,11 @@
 
 use std::sync::Arc;
 
-use rimline::gpu::StageTimer;
 use rimline::gpu::depth_map::{
-    DepthCubeMaps, DepthMap, DepthMapConversion, DepthMapCube, DepthMapError, DepthMapFrame, DepthMapPipelines,
+    DepthCubeMaps, DepthMap, DepthMapCube, DepthMapError, DepthMapFrame, DepthMapPipelines, DepthMapTexture,
     DepthMapVolumes, DepthMetric, MeshDepth,
 };
-use rimline::internals::layout::ShadowStatistics;
+use rimline::gpu::{ShadowStatistics, StageTimer};
 use rimline::{DepthDirection, Origin, ShadowCamera, wgpu};
 use rimline_files::npz::{DepthMapArrays, Depths};
 use rimline_picture::{FacingMasks, plain_texture, view};
@@ -175,10 +174,10 @@ struct LightMaps {
     shown: ShownMaps,
 }
 
-/// Distances that a map is converted from, and what converts them.
+/// Distances, and the map that they are converted to.
 struct Distances {
     texture: wgpu::TextureView,
-    conversion: DepthMapConversion,
+    converted: DepthMapTexture,
     metric: DepthMetric,
 }
 
@@ -219,9 +218,9 @@ impl LightMaps {
         let mut distances = Vec::new();
         if options.metric != DepthMetric::Device {
             for view in &mut views {
-                let conversion = DepthMapConversion::new(&gpu.pipelines, size)?;
-                let texture = std::mem::replace(view, conversion.texture().clone());
-                distances.push(Distances { texture, conversion, metric: options.metric });
+                let converted = DepthMapTexture::new(&gpu.pipelines, size)?;
+                let texture = std::mem::replace(view, converted.view().clone());
+                distances.push(Distances { texture, converted, metric: options.metric });
             }
         }
         let (cameras, shown) = (cameras.clone(), ShownMaps::new(gpu, from.has_walls()));
@@ -237,9 +236,9 @@ impl LightMaps {
         eye: &ShadowCamera,
         mut timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
-        for (Distances { texture, conversion, metric }, light) in self.distances.iter().zip(&cameras.0) {
+        for (Distances { texture, converted, metric }, light) in self.distances.iter().zip(&cameras.0) {
             let map = DepthMap { texture, light: *light, objects: None };
-            conversion.encode_timed(encoder, &map, *metric, timer.as_deref_mut())?;
+            converted.convert_timed(encoder, &map, *metric, timer.as_deref_mut())?;
         }
         let mut views = self.views.iter();
         let size = self.views.first().map_or([1; 2], |view| [view.texture().width(), view.texture().height()]);

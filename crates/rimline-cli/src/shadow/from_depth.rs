@@ -80,7 +80,7 @@ impl FromDepth {
             options.rounded_to = map.rounded_to;
             options.metric = map.arrays.metric;
         }
-        // Only edges of objects are found. Steep sides, moved by their slopes, would leave the object (`DepthMap::objects`).
+        // Only edges of objects are found. Steep sides, moved by their slopes, would leave the object (`DepthMap`).
         if matches!(self.method, DepthMapMethod::Differences { threshold: 1.0, .. }) {
             options.slope_bias = 0.0;
         }

@@ -113,7 +113,7 @@ fn camera([x, y, z, w]: [DVec4; 4], origin: Vec3) -> ShadowCamera {
 /// ends of lines eight, two lines for each triangle.
 const INSTANCES: [u32; 2] = [1, 2];
 
-/// Layout of `DepthView` in `overlay.wgsl`.
+/// Layout of `DepthView` in `depth_overlay.wgsl`.
 #[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 struct DepthView {

@@ -1,4 +1,4 @@
-//! Pictures with shadows, and masks: whether a light reaches the surface at each pixel centre.
+//! Pictures with shadows, and masks: whether a light, or a sample of it, reaches the surface at each pixel centre.
 
 use rimline::gpu::include_wgsl;
 use rimline::wgpu;
@@ -26,7 +26,7 @@ impl Pictures {
         resources: &RenderResources<'_>,
         method: &ShadowMethod,
         mode: Mode,
-        volumes: bool,
+        shows_volumes: bool,
         in_parts: bool,
     ) -> Result<Self, GpuError> {
         let RenderResources { shared, size, .. } = resources;
@@ -36,14 +36,14 @@ impl Pictures {
             pipelines: resources.pipelines(light.samples, method)?,
             passes: PicturePipelines::new(shared, format, mode),
             targets: Targets::new(&shared.factory, format, *size, TextureUsages::empty()),
-            overlay: volumes.then(|| match method.from_depth {
+            overlay: shows_volumes.then(|| match method.from_depth {
                 None => Overlay::Volumes(VolumeOverlay::new(shared, light)),
                 Some(_) => Overlay::Maps(MapOverlay::new(shared, light)),
             }),
         })
     }
 
-    /// Records the whole picture's light, or a part's.
+    /// Records the light of a part of the picture. A picture that is not drawn in parts has part 0.
     pub(crate) fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -55,7 +55,7 @@ impl Pictures {
         self.passes.record(encoder, &subject.casters.resources.shared, &self.targets.attachments[part], &subject)
     }
 
-    /// Records how the light becomes a picture, and returns its texture.
+    /// Records how the light of all parts becomes the picture, and returns its texture.
     pub(crate) fn develop(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -66,7 +66,7 @@ impl Pictures {
     }
 }
 
-/// 255 lit, 0 not, 128 nothing there.
+/// The target of a mask: 255 where the light reaches the surface, 0 where it does not, 128 where there is no surface.
 const MASK: Target = Target { format: TextureFormat::R8Unorm, samples: 1 };
 
 pub(crate) struct Masks {
@@ -93,7 +93,7 @@ impl Masks {
         })
     }
 
-    /// Records a light's mask and returns its texture.
+    /// Records the mask of a light, or of a sample of it, and returns its texture. The next mask overwrites it.
     pub(crate) fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -115,18 +115,18 @@ impl Masks {
     }
 }
 
-/// Bodies as they were encoded, with their shadows and what is drawn over them.
+/// The contents of a picture or a mask: the casters as they were encoded last, and the ground.
 #[derive(Clone, Copy)]
 pub(crate) struct DrawInputs<'a> {
     pub(crate) casters: &'a Casters<'a>,
-    /// The pipelines of the shadow volumes. `None`: not known yet.
+    /// The pipelines of the shadow volumes. `None` until [`Pictures::record`] or [`Masks::record`] gives its own.
     pub(super) pipelines: Option<&'a VolumePipelines>,
-    /// An overlay over the light, if there is one.
+    /// The overlay over the light. `None` until [`Pictures::record`] gives its own, if it has one.
     pub(super) overlay: Option<&'a Overlay>,
-    /// Samples of all lights together.
+    /// The number of samples of all lights. A light without an area has one.
     pub(crate) samples: usize,
     pub(crate) has_ground: bool,
-    /// Only one pixel is drawn, so that the device compiles the shaders.
+    /// Only one pixel is drawn: so the driver compiles the shaders before times are taken.
     pub(crate) is_trial: bool,
 }
 
@@ -165,6 +165,7 @@ impl Subject for DrawInputs<'_> {
     }
 }
 
+/// A sketch of the volumes of all samples, over the picture.
 pub(crate) enum Overlay {
     Volumes(VolumeOverlay),
     Maps(MapOverlay),
@@ -172,7 +173,8 @@ pub(crate) enum Overlay {
 
 pub(crate) struct MapOverlay {
     layout: wgpu::BindGroupLayout,
-    passes: [wgpu::RenderPipeline; 2],
+    /// The pipelines of triangles and of lines.
+    pipelines: [wgpu::RenderPipeline; 2],
 }
 
 impl Overlay {
@@ -207,11 +209,12 @@ impl MapOverlay {
             let depth = pass.depth.clone().map(|depth| wgpu::DepthStencilState { bias, ..depth });
             resources.factory.pipeline(&Pass { vertex, topology, depth, ..pass })
         };
-        // Where the boundary lies on what casts, it is behind it. Depth falls with the distance.
+        // The boundary of a map begins on the casters' surfaces. The bias moves it behind them, where they hide it. Depth is
+        // reversed, so a negative bias moves away from the eye.
         let behind = DepthBiasState { constant: -64, slope_scale: -4.0, clamp: 0.0 };
         let triangles = pipeline("volumes", "depth_volumes", PrimitiveTopology::TriangleList, behind);
         let lines = pipeline("edges", "depth_edges", PrimitiveTopology::LineList, DepthBiasState::default());
-        Self { layout, passes: [triangles, lines] }
+        Self { layout, pipelines: [triangles, lines] }
     }
 
     fn draw(&self, pass: &mut wgpu::RenderPass<'_>, casters: &Casters<'_>, light: usize) {
@@ -221,10 +224,11 @@ impl MapOverlay {
         let resources = &casters.resources.shared;
         resources.select(pass, light);
         pass.set_bind_group(2, &group(&resources.factory.device, &self.layout, &bound), &[]);
-        for (pipeline, arguments) in self.passes.iter().zip([[0, 32], [16, 48]]) {
+        // The listed cells or walls, then every cell.
+        for (pipeline, offsets) in self.pipelines.iter().zip([[0, 32], [16, 48]]) {
             pass.set_pipeline(pipeline);
-            for at in arguments {
-                pass.draw_indirect(&shown.draws, at);
+            for offset in offsets {
+                pass.draw_indirect(&shown.draws, offset);
             }
         }
     }

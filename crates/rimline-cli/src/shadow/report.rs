@@ -2,17 +2,18 @@
 //! maps.
 
 use std::fmt::Write as _;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use rimline::cpu::OcclusionStatistics;
-use rimline::internals::layout::ShadowStatistics;
+use rimline::gpu::ShadowStatistics;
 use rimline::{MAX_LIGHTS, Origin};
 use rimline_picture::ShadedLight;
 use serde_json::{Value, json};
 
 use super::args::{ShadowArgs, ShadowSceneArgs, method_name};
 use super::casters::Casters;
-use super::casting::CoveredFaces;
+use super::casting::Occlusion;
 use super::from_depth::{DepthFound, DepthsFound};
 use super::shadow_scene::ShadowScene;
 use super::shadows::{Found, each};
@@ -21,7 +22,7 @@ use crate::device::{GpuError, describe};
 use crate::failure::Failure;
 use crate::files::{Inputs, check_ending, is_same_file};
 use crate::image::wrote;
-use crate::output::{Line, Output};
+use crate::output::{Filled, Line, Output};
 use crate::report::{self, Lines, Times};
 use crate::spec::{LightSpec, ShadedLightSpec};
 
@@ -31,7 +32,7 @@ pub(super) struct Report<'a> {
     /// For each file.
     found: Vec<Found>,
     pub(super) all: ShadowStatistics,
-    covered: Option<&'a CoveredFaces>,
+    occlusion: Option<&'a Occlusion>,
     left_out: usize,
     depth: Option<DepthsFound>,
 }
@@ -41,7 +42,7 @@ impl<'a> Report<'a> {
     pub(super) fn read(
         set: &'a ShadowScene<'_>,
         casters: &Casters<'_>,
-        covered: Option<&'a CoveredFaces>,
+        occlusion: Option<&'a Occlusion>,
     ) -> Result<Self, GpuError> {
         let Casters { shadows, .. } = casters;
         Ok(Self {
@@ -49,7 +50,7 @@ impl<'a> Report<'a> {
             adapter: describe(&casters.gpu().info),
             found: shadows.found()?,
             all: shadows.statistics()?,
-            covered,
+            occlusion,
             left_out: shadows.left_out(),
             depth: shadows.depths_found()?,
         })
@@ -68,68 +69,67 @@ impl<'a> Report<'a> {
     /// Keys are stable: they are only ever added to.
     pub(super) fn json(&self, args: &ShadowSceneArgs, times: &Times) -> String {
         let lights = &self.set.shaded_lights;
-        let light = |(number, shaded): (usize, &ShadedLight)| {
-            let of = self.set.samples_of(number);
-            let per_sample = |values: Vec<Value>| match (shaded.area.is_some(), values.first()) {
-                (false, Some(one)) => one.clone(),
-                _ => values.into(),
-            };
-            let caster = |(name, found): (String, &Found)| {
-                let chosen = &found.lights[of.clone()];
-                json!({
-                    "file": name,
-                    "casting": per_sample(chosen.iter().map(|light| light.casting.into()).collect()),
-                    "counting": per_sample(chosen.iter().map(|light| light.counting.into()).collect()),
-                    "silhouette_edges": per_sample(found.silhouettes[of.clone()].iter().map(|&n| n.into()).collect()),
-                })
-            };
-            let mut of_light = json!({
-                "light": coordinates::light(&shaded.light, self.origin()),
-                "range": shaded.range.is_finite().then_some(shaded.range),
-                "color": shaded.color,
-                "casters": self.files().map(caster).collect::<Vec<_>>(),
-            });
-            if let Some(covered) = self.covered.and_then(|covered| covered.found.get(number)) {
-                let OcclusionStatistics {
-                    tried, occluded, left_out, undecided, without_room, sides, sides_left, ..
-                } = covered.statistics();
-                of_light["covered"] = json!({
-                    "tried": tried, "hidden": occluded, "undecided": undecided, "without_room": without_room,
-                    "left_out": left_out, "sides": sides, "sides_left": sides_left,
-                });
-            }
-            if let Some(DepthsFound { size, has_walls, lights: found }) = &self.depth {
-                let of_sample = |at: usize| found.get(at).copied();
-                let each =
-                    |value: fn(DepthFound) -> Value| per_sample(of.clone().filter_map(of_sample).map(value).collect());
-                let side = (size[0] == size[1]).then_some(size[0]);
-                let (maps, listed) = (each(|found| found.maps.into()), each(|found| found.listed.into()));
-                let overflowed = each(|found| found.is_overflowed().into());
-                let (name, cells, walls) =
-                    if *has_walls { ("contours", Value::Null, listed) } else { ("triangles", listed, Value::Null) };
-                of_light["depth_map"] = json!({
-                    "size": size, "side": side, "maps": maps, "reconstruction": name, "cells": cells, "walls": walls,
-                    "overflowed": overflowed,
-                });
-            }
-            of_light
+        let of_lights = lights.iter().enumerate().map(|(number, light)| self.light_json(number, light));
+        let report = json!({
+            "adapter": self.adapter,
+            "method": if self.depth.is_some() { "parity" } else { method_name(args.method) },
+            "mode": args.mode.name(),
+            "files": self.files().map(|(name, _)| name).collect::<Vec<_>>(),
+            "faces": self.set.bodies.iter().map(|body| body.faces.len()).collect::<Vec<_>>(),
+            "samples": lights.iter().map(|light| light.samples.len()).max(),
+            "count_bound": self.all.count_bound,
+            "may_wrap": self.all.may_wrap,
+            "lights": of_lights.collect::<Vec<_>>(),
+            "statistics": self.files().map(|(name, found)| self.file_json(&name, found)).collect::<Vec<_>>(),
+            "totals": self.totals_json(),
+        });
+        report::json(report, self.origin(), times)
+    }
+
+    fn light_json(&self, number: usize, light: &ShadedLight) -> Value {
+        let samples = self.set.samples_of(number);
+        let caster = |(name, found): (String, &Found)| {
+            let chosen = &found.lights[samples.clone()];
+            json!({
+                "file": name,
+                "casting": per_sample(light, chosen.iter().map(|choice| choice.casting)),
+                "counting": per_sample(light, chosen.iter().map(|choice| choice.counting)),
+                "silhouette_edges": per_sample(light, found.silhouettes[samples.clone()].iter().copied()),
+            })
         };
+        let mut value = json!({
+            "light": coordinates::light(&light.light, self.origin()),
+            "range": light.range.is_finite().then_some(light.range),
+            "color": light.color,
+            "casters": self.files().map(caster).collect::<Vec<_>>(),
+        });
+        if let Some(occluded) = self.occlusion.and_then(|occlusion| occlusion.found.get(number)) {
+            value["covered"] = occlusion_json(occluded.statistics());
+        }
+        if let Some(found) = &self.depth {
+            value["depth_map"] = depth_map_json(found, light, samples);
+        }
+        value
+    }
+
+    fn file_json(&self, name: &str, Found { shadow, extraction, .. }: &Found) -> Value {
         // A scene knows some bounds and overflows for all files together.
         let is_whole = self.found.len() == 1 || self.depth.is_some();
         let if_whole = |count: u32| is_whole.then_some(count);
-        let statistics = |(name, Found { shadow, extraction, .. }): (String, &Found)| {
-            json!({
-                "file": name,
-                "skipped": shadow.skipped,
-                "every_face": shadow.every_face,
-                "capped": shadow.near_capped,
-                "count_bound": if_whole(shadow.count_bound),
-                "may_wrap": if_whole(shadow.may_wrap),
-                "overflowed_caps": if_whole(shadow.overflowed_caps),
-                "undecided_pairs": extraction.undecided_pairs,
-                "overflowed_lists": extraction.overflowed_lists,
-            })
-        };
+        json!({
+            "file": name,
+            "skipped": shadow.skipped,
+            "every_face": shadow.every_face,
+            "capped": shadow.near_capped,
+            "count_bound": if_whole(shadow.count_bound),
+            "may_wrap": if_whole(shadow.may_wrap),
+            "overflowed_caps": if_whole(shadow.overflowed_caps),
+            "undecided_pairs": extraction.undecided_pairs,
+            "overflowed_lists": extraction.overflowed_lists,
+        })
+    }
+
+    fn totals_json(&self) -> Value {
         let extraction = self.found.iter().map(|found| found.extraction);
         let extraction = extraction.reduce(|one, other| each(one, other, u32::saturating_add));
         let mut totals = json!({
@@ -141,23 +141,10 @@ impl<'a> Report<'a> {
             "undecided_pairs": extraction.map(|all| all.undecided_pairs),
             "overflowed_lists": extraction.map(|all| all.overflowed_lists),
         });
-        if self.covered.is_some() {
+        if self.occlusion.is_some() {
             totals["covered_faces"] = self.left_out.into();
         }
-        let report = json!({
-            "adapter": self.adapter,
-            "method": if self.depth.is_some() { "parity" } else { method_name(args.method) },
-            "mode": args.mode.name(),
-            "files": self.files().map(|(name, _)| name).collect::<Vec<_>>(),
-            "faces": self.set.bodies.iter().map(|body| body.faces.len()).collect::<Vec<_>>(),
-            "samples": lights.iter().map(|light| light.samples.len()).max(),
-            "count_bound": self.all.count_bound,
-            "may_wrap": self.all.may_wrap,
-            "lights": lights.iter().enumerate().map(light).collect::<Vec<_>>(),
-            "statistics": self.files().map(statistics).collect::<Vec<_>>(),
-            "totals": totals,
-        });
-        report::json(report, self.origin(), times)
+        totals
     }
 
     /// `pictures` of this size and `archives` were written.
@@ -190,8 +177,8 @@ impl<'a> Report<'a> {
             }
             lines.line("depth map", value);
         }
-        for covered in self.covered.iter().flat_map(|covered| &covered.found) {
-            let OcclusionStatistics { tried, occluded, left_out, sides, sides_left, .. } = covered.statistics();
+        for found in self.occlusion.iter().flat_map(|occlusion| &occlusion.found) {
+            let OcclusionStatistics { tried, occluded, left_out, sides, sides_left, .. } = found.statistics();
             let value = format!(
                 "{occluded} of {tried} faces are hidden from the light, {left_out} left out; sides {sides} \
                  before, {sides_left} after"
@@ -206,11 +193,47 @@ impl<'a> Report<'a> {
     }
 }
 
+/// The value of a light, or for one with an area a list with the value of each sample.
+fn per_sample<T: Into<Value>>(light: &ShadedLight, values: impl Iterator<Item = T>) -> Value {
+    let values: Vec<Value> = values.map(Into::into).collect();
+    match (light.area.is_some(), values.first()) {
+        (false, Some(one)) => one.clone(),
+        _ => values.into(),
+    }
+}
+
+fn occlusion_json(statistics: OcclusionStatistics) -> Value {
+    let OcclusionStatistics { tried, occluded, left_out, undecided, without_room, sides, sides_left, .. } = statistics;
+    json!({
+        "tried": tried, "hidden": occluded, "undecided": undecided, "without_room": without_room,
+        "left_out": left_out, "sides": sides, "sides_left": sides_left,
+    })
+}
+
+/// The maps of a light, whose `samples` are these of all samples.
+fn depth_map_json(found: &DepthsFound, light: &ShadedLight, samples: Range<usize>) -> Value {
+    let DepthsFound { size, has_walls, lights } = found;
+    let found: Vec<DepthFound> = samples.filter_map(|sample| lights.get(sample).copied()).collect();
+    let each = |value: fn(&DepthFound) -> Value| per_sample(light, found.iter().map(value));
+    let side = (size[0] == size[1]).then_some(size[0]);
+    let (maps, listed) = (each(|found| found.maps.into()), each(|found| found.listed.into()));
+    let overflowed = each(|found| found.is_overflowed().into());
+    let (name, cells, walls) =
+        if *has_walls { ("contours", Value::Null, listed) } else { ("triangles", listed, Value::Null) };
+    json!({
+        "size": size, "side": side, "maps": maps, "reconstruction": name, "cells": cells, "walls": walls,
+        "overflowed": overflowed,
+    })
+}
+
 /// Files in the making. A file that is dropped before it is finished leaves nothing.
 pub(super) struct ResultFiles {
     pub(super) picture: Option<Output>,
-    pub(super) masks: Vec<Output>,
-    pub(super) maps: Vec<Output>,
+    /// Not open: a process may have a thousand files open, and there may be as many lights.
+    pub(super) masks: Vec<PathBuf>,
+    pub(super) maps: Vec<PathBuf>,
+    /// Those that are complete. They take their places together.
+    pub(super) filled: Vec<Filled>,
     /// Names of picture and masks, and names of maps.
     pub(super) names: [Vec<PathBuf>; 2],
 }
@@ -227,14 +250,14 @@ impl ResultFiles {
         // There is a first light in any case; how many there are is known later.
         for first in of_lights(args, 1).into_iter().flatten() {
             inputs.spare(&first)?;
-            drop(Output::create(&first)?);
+            Output::check(&first)?;
         }
         let picture = args.out.as_deref().map(Output::create).transpose()?;
         let names = [args.out.iter().cloned().collect(), Vec::new()];
-        Ok(Self { picture, masks: Vec::new(), maps: Vec::new(), names })
+        Ok(Self { picture, masks: Vec::new(), maps: Vec::new(), filled: Vec::new(), names })
     }
 
-    /// Begins those of all lights.
+    /// Tries those of all lights.
     pub(super) fn begin_lights(&mut self, args: &ShadowArgs, inputs: &Inputs, lights: usize) -> Result<(), Failure> {
         let files = of_lights(args, lights);
         let is_any = |out: &&Path| files.iter().flatten().any(|file| is_same_file(out, file));
@@ -245,10 +268,11 @@ impl ResultFiles {
             )));
         }
         files.iter().flatten().try_for_each(|file| inputs.spare(file))?;
-        for ((outputs, names), files) in [&mut self.masks, &mut self.maps].into_iter().zip(&mut self.names).zip(files) {
-            *outputs = files.iter().map(|file| Output::create(file)).collect::<Result<_, _>>()?;
-            names.extend(files);
+        files.iter().flatten().try_for_each(|file| Output::check(file))?;
+        for (names, files) in self.names.iter_mut().zip(&files) {
+            names.extend_from_slice(files);
         }
+        [self.masks, self.maps] = files;
         Ok(())
     }
 }

@@ -6,15 +6,14 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use rimline::cpu::OccludedFaces;
 use rimline::gpu::{
-    Capacities, Caster, CasterHandle, FrameInputs, LightHandle, MeshHandle, Scene, SceneFrame, SceneOptions,
-    ShadowError, StageTimer,
+    Capacities, Caster, CasterHandle, ExtractionStatistics, FrameInputs, LightHandle, MeshHandle, Scene, SceneFrame,
+    SceneOptions, ShadowError, ShadowStatistics, StageTimer,
 };
-use rimline::internals::layout::{ExtractionStatistics, ShadowStatistics};
 use rimline::internals::scene::CHOICE_WORDS;
 use rimline::{Counting, Light, wgpu};
 use rimline_picture::FacingMasks;
 
-use super::casting::{CastInputs, CoveredFaces, Extracted, PosedModel, Topology, VERSION, set_lights};
+use super::casting::{CastInputs, Extracted, Occlusion, PosedModel, Topology, VERSION, set_lights};
 use super::layers::Layers;
 use super::shadows::{Choice, Found, Shadows, VolumePipelines, each, scene_options};
 use crate::device::{Gpu, GpuError, On as _};
@@ -238,15 +237,15 @@ impl Shadows for SceneShadows<'_> {
         Ok(())
     }
 
-    fn leave_out(&mut self, covered: &CoveredFaces) -> Result<(), GpuError> {
-        let lights: Vec<Light> = covered.found.iter().map(OccludedFaces::light).collect();
+    fn leave_out(&mut self, occlusion: &Occlusion) -> Result<(), GpuError> {
+        let lights: Vec<Light> = occlusion.found.iter().map(OccludedFaces::light).collect();
         set_lights(&mut self.scene, &mut self.lights, &lights)?;
         let casters: Vec<CasterHandle> =
             self.files.iter().flat_map(|file| file.casters.iter().map(|&(_, caster)| caster)).collect();
         for &caster in &casters {
             self.scene.set_position_version(caster, Some(VERSION))?;
         }
-        for (&light, found) in self.lights.iter().zip(&covered.found) {
+        for (&light, found) in self.lights.iter().zip(&occlusion.found) {
             self.scene.set_occluded_faces(light, &casters, Some(found))?;
         }
         Ok(())

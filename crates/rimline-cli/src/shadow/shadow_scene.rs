@@ -6,8 +6,7 @@ use std::path::Path;
 use glam::{DVec3, Vec2, Vec3};
 use rimline::gltf::{SceneLight, SpotCone};
 use rimline::gpu::StageTimer;
-use rimline::internals::light::check_shadow_lights;
-use rimline::{AreaLight, AreaShape, Displacement, Light, MAX_LIGHTS, Origin, wgpu};
+use rimline::{AreaLight, AreaShape, Displacement, Light, MAX_LIGHTS, Origin, check_shadow_lights, wgpu};
 use rimline_picture::{Bounds, Camera, PARTS, Part, SceneBounds, SceneView, ShadedLight, depth_format, reach};
 
 use super::args::{ShadowSceneArgs, method_name, needs_perspective, not_orthographic};

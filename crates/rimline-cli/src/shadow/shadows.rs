@@ -4,15 +4,16 @@ use std::sync::Arc;
 use std::thread::{Builder, JoinHandle};
 
 use rimline::gpu::depth_map::DepthMapPipelines;
-use rimline::gpu::{SceneOptions, ShadowFormat, ShadowPipelines, StageTimer, StencilCounts, Use};
-use rimline::internals::layout::{ExtractionStatistics, ShadowStatistics};
+use rimline::gpu::{
+    ExtractionStatistics, SceneOptions, ShadowFormat, ShadowPipelines, ShadowStatistics, StageTimer, StencilCounts, Use,
+};
 use rimline::internals::scene::CHOICE_WORDS;
 use rimline::wgpu::{self, TextureFormat};
 use rimline::{Counting, Light, Origin};
 use rimline_files::npz::DepthMapArrays;
 use rimline_picture::{FacingMasks, Resources, depth_format};
 
-use super::casting::{CastInputs, CoveredFaces, PosedModel};
+use super::casting::{CastInputs, Occlusion, PosedModel};
 use super::from_depth::{DepthsFound, FromDepth};
 use super::layers::BatchPipelines;
 use super::light_maps::ShownDepths;
@@ -50,12 +51,12 @@ pub(crate) trait Shadows {
         Ok(())
     }
 
-    /// Leaves out covered faces of bodies that are placed and stay. Only a scene does.
-    fn leave_out(&mut self, _covered: &CoveredFaces) -> Result<(), GpuError> {
+    /// Leaves out occluded faces of bodies that are placed and stay. Only a scene does.
+    fn leave_out(&mut self, _occlusion: &Occlusion) -> Result<(), GpuError> {
         Ok(())
     }
 
-    /// How many covered faces the last encode left out, summed over lights.
+    /// How many occluded faces the last encode left out, summed over lights.
     fn left_out(&self) -> usize {
         0
     }

@@ -1,5 +1,6 @@
 //! The folder to check: extractions of models and of every stress scene, with lights that are hard on each mesh.
 
+use std::fmt::Write as _;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -15,8 +16,9 @@ use crate::args::VerifyArgs;
 use crate::device::{self, Device};
 use crate::extract::{extract_exactly, write_arrays};
 use crate::failure::Failure;
+use crate::files::check_folder;
 use crate::input::{Input, Scene, Shape};
-use crate::output::{Folder, Line, Output, Progress, say};
+use crate::output::{Filled, Folder, Line, Output, Progress, say};
 use crate::report::Times;
 
 /// Where in its first animation a model is posed, as a part of the whole.
@@ -27,6 +29,7 @@ pub(super) fn run(args: &VerifyArgs, folder: &Path) -> Result<(), Failure> {
     if wanted == "all" {
         return Err(Failure::usage("--make computes on one device; give --device gpu, cpu or a name"));
     }
+    check_folder(folder, "--make writes a folder of archives; give the name of a folder")?;
     let progress = Progress::start();
     check_names(&args.models)?;
     let names = args.models.iter().flat_map(|model| [stem(model), posed(model)]);
@@ -39,8 +42,9 @@ pub(super) fn run(args: &VerifyArgs, folder: &Path) -> Result<(), Failure> {
     }
     let _folder = Folder::create(folder)?;
     progress.step("opening the device");
-    let maker = Maker { folder, device: device::open(&wanted.into())?, progress: &progress };
-    // All are read and checked before the first file is written, because files are never written over.
+    let (device, made, said) = (device::open(&wanted.into())?, Vec::new(), String::new());
+    let mut maker = Maker { folder, device, progress: &progress, made, said };
+    // All are read and checked before the first file is written.
     let read = |model: &PathBuf| {
         progress.step(format!("reading {}", model.display()));
         read(model, args)
@@ -51,7 +55,9 @@ pub(super) fn run(args: &VerifyArgs, folder: &Path) -> Result<(), Failure> {
     for scene in stress::scenes(args.faces as usize) {
         maker.scene(scene)?;
     }
-    Ok(())
+    // Files are never written over, so after a failure the same command must find none.
+    Filled::finish_all(maker.made)?;
+    progress.aside(|| say(&maker.said))
 }
 
 /// Reads a model, and refuses one that has no mesh of triangles in each of its poses.
@@ -66,7 +72,7 @@ fn read(model: &Path, args: &VerifyArgs) -> Result<Input, Failure> {
 
 /// Calls `run` for a model at rest and, if an animation can play, for a moment of the first one: with the time and the name
 /// of the archive.
-fn each_pose(input: &mut Input, run: impl Fn(&Input, f32, &str) -> Result<(), Failure>) -> Result<(), Failure> {
+fn each_pose(input: &mut Input, mut run: impl FnMut(&Input, f32, &str) -> Result<(), Failure>) -> Result<(), Failure> {
     input.playing.clear();
     run(input, 0.0, &stem(&input.file))?;
     let mut animations = input.asset().map_or(&[][..], Asset::animations).iter().enumerate();
@@ -94,7 +100,7 @@ fn target(folder: &Path, name: &str) -> PathBuf {
     folder.join(format!("{name}.npz"))
 }
 
-/// Two models, or a model and a scene, must not go to one file.
+/// Two models, or a model and a scene, must not go to one file, and none to a file in the making.
 fn check_names(models: &[PathBuf]) -> Result<(), Failure> {
     const BOTH: &str = "so both would be written to the same file; rename";
     for (index, model) in models.iter().enumerate() {
@@ -102,6 +108,12 @@ fn check_names(models: &[PathBuf]) -> Result<(), Failure> {
         if let Some(other) = models[..index].iter().chain(&models[index + 1..]).find(takes) {
             let why = format!("it has the same name as {}, {BOTH} one of them", other.display());
             return Err(Failure::input(model, why));
+        }
+        if stem(model).starts_with('.') {
+            return Err(Failure::input(
+                model,
+                "its name begins with a dot, and such archives are never checked; rename it",
+            ));
         }
         if stress::names().map(of_scene).any(|scene| [stem(model), posed(model)].contains(&scene)) {
             return Err(Failure::input(model, format!("it has the name of a stress scene, {BOTH} it")));
@@ -114,17 +126,20 @@ struct Maker<'a> {
     folder: &'a Path,
     device: Device,
     progress: &'a Progress,
+    made: Vec<Filled>,
+    /// What is said once they are in their places.
+    said: String,
 }
 
 impl Maker<'_> {
-    fn pose(&self, input: &Input, time_s: f32, name: &str) -> Result<(), Failure> {
+    fn pose(&mut self, input: &Input, time_s: f32, name: &str) -> Result<(), Failure> {
         let Scene { mesh, shape } = input.scene(time_s, false)?;
         let positions = shape.on_cpu(&mut Times::default())?;
         let lights = hard_lights(&positions, mesh.faces());
         self.write(name, &positions, mesh, &lights, input.origin())
     }
 
-    fn scene(&self, scene: stress::Scene) -> Result<(), Failure> {
+    fn scene(&mut self, scene: stress::Scene) -> Result<(), Failure> {
         let (lights, name) = (scene.lights(LIGHTS), of_scene(scene.name));
         let stress::Scene { positions, faces, .. } = scene;
         // No file holds it yet; the one that it was to become names it.
@@ -136,7 +151,7 @@ impl Maker<'_> {
     }
 
     fn write(
-        &self,
+        &mut self,
         name: &str,
         positions: &[[f32; 3]],
         mesh: Mesh,
@@ -148,9 +163,9 @@ impl Maker<'_> {
         let output = Output::create(&file)?;
         let scene = Scene { mesh, shape: Shape::World(positions) };
         let found = extract_exactly(&self.device, &scene, lights)?;
-        output.finish(|to| write_arrays(to, &scene.mesh, lights, &found, origin))?;
+        self.made.push(output.fill(|to| write_arrays(to, &scene.mesh, lights, &found, origin))?);
         let faces = scene.mesh.faces().len();
-        self.progress
-            .aside(|| say(&format!("wrote {} ({faces} faces, {} lights)\n", Line(file.display()), lights.len())))
+        let _ = writeln!(self.said, "wrote {} ({faces} faces, {} lights)", Line(file.display()), lights.len());
+        Ok(())
     }
 }

@@ -211,7 +211,8 @@ fn run_line(folder: &Folder, line: &str) -> Result<Run, String> {
     let (line, input) = line.split_once(" < ").map_or((line, None), |(line, file)| (line, Some(file)));
     let (variables, words) = line.trim().split_once("rimline").ok_or("no `rimline`")?;
     let mut command = Command::new(env!("CARGO_BIN_EXE_rimline"));
-    command.args(words.split_whitespace()).current_dir(folder.path());
+    // Else it runs itself again with this (src/main.rs), as it does from the shell.
+    command.args(words.split_whitespace()).current_dir(folder.path()).env("XDG_RUNTIME_DIR", "/dev/null");
     command.envs(variables.split_whitespace().filter_map(|word| word.split_once('=')));
     let file = input.map(|file| std::fs::File::open(folder.path().join(file))).transpose();
     command.stdin(file.map_err(|error| error.to_string())?.map_or_else(Stdio::null, Stdio::from));

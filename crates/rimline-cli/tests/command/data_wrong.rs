@@ -3,9 +3,16 @@
 use super::data::{check, differences};
 use super::{Outcome, Test, ensure};
 
-pub(crate) const TESTS: &[Test] = &[("data::a_wrong_expectation_fails", negative)];
+pub(crate) const TESTS: &[Test] = &[
+    ("data::a_wrong_expectation_fails::archives", archives),
+    ("data::a_wrong_expectation_fails::pictures", pictures),
+    ("data::a_wrong_expectation_fails::masks", masks),
+];
 
-const RIGHT: &str = "a case
+/// A part of a case, and what is wrong in its place.
+type Wrong = (&'static str, &'static str);
+
+const ARCHIVES: &str = "a case
 make t.npz tetrahedron
 npz points.npz
   points <f4 (1, 3) 0.1 0.1 0.1
@@ -16,70 +23,88 @@ json /points 1
 json /adapter \"cpu\"
 files a.npz
 array a.npz depth <i4 (1, 1) 1
+size points.npz 258
+lacks a.npz:origin
+entries a.npz points lights depth
 0 b.npz
 same a.npz b.npz
-4 no/such
+4 no/such";
 
+const WRONG_ARCHIVES: &[Wrong] = &[
+    ("0 a.npz", "2 a.npz"),
+    ("cannot be written", "cannot be read"),
+    ("! rimline: error: no/such", "! rimline: no/such"),
+    ("json /points 1", "json /points 2"),
+    ("json /points 1", "json /points > 1"),
+    ("json /adapter \"cpu\"", "json /adapter \"gpu\""),
+    ("json /adapter \"cpu\"", "jsn /adapter \"cpu\""),
+    ("files a.npz", "files"),
+    ("files a.npz", "lacks a.npz"),
+    ("files a.npz", "has b.npz"),
+    ("files a.npz", "says nothing"),
+    ("files a.npz", "hides points"),
+    ("(1, 1) 1", "(1, 1) 2"),
+    ("(1, 1) 1", "(1, 2) 1"),
+    ("depth <i4", "depth <u4"),
+    ("size points.npz 258", "size points.npz 259"),
+    ("lacks a.npz:origin", "lacks a.npz:depth"),
+    ("entries a.npz points lights", "entries a.npz lights points"),
+    ("same a.npz b.npz", "other a.npz b.npz"),
+    ("0.1 0.1 0.1", "9 0.1 0.1"),
+];
+
+const PICTURES: &str = "a case
+make t.npz tetrahedron
 $ rimline draw t.npz --size 20x10 --eye 3,2,4 --out p.png
 $ rimline draw t.npz --size 20x10 --eye 4,2,3 --out q.png
 > wrote [..]
 size p.png 20x10
 count p.png ink > 4
-apart p.png q.png > 4 by 9
+apart p.png q.png > 4 by 9";
 
+const WRONG_PICTURES: &[Wrong] = &[
+    ("> wrote [..]", "> wrote nothing"),
+    ("> wrote [..]", "> [..]\n> ...\n> more"),
+    ("size p.png 20x10", "size p.png 10x20"),
+    ("count p.png ink > 4", "count p.png ink > 200"),
+    ("> 4 by 9", "< 4 by 9"),
+];
+
+const MASKS: &str = "a case
+make t.npz tetrahedron
 $ rimline shadow t.npz --light dir:0,1,0 --size 20x10 --mask m --out r.png
 pixel m.0.png 0,0 255
 count m.0.png 255 > 9
 values m.0.png 255
-apart m.0.png m.0.png = 0
-size points.npz 258
-lacks a.npz:origin
-entries a.npz points lights depth";
+apart m.0.png m.0.png = 0";
+
+const WRONG_MASKS: &[Wrong] = &[
+    ("0,0 255", "0,0 128"),
+    ("m.0.png 255 > 9", "m.0.png 255 < 9"),
+    ("m.0.png 255 > 9", "r.png 255 > 9"),
+    ("values m.0.png 255", "values m.0.png 128 255"),
+    ("m.0.png m.0.png = 0", "m.0.png m.0.png > 0"),
+];
 
 fn passes(case: &str) -> Outcome {
     differences(case, &check(case)?)
 }
 
-fn negative() -> Outcome {
-    // The message is written by the first run, as `RIMLINE_CASES=write` does.
-    let right = check(RIGHT)?;
+/// The case, completed by a first run as `RIMLINE_CASES=write` does, passes, and with each wrong part it fails.
+fn negative(case: &str, all_wrong: &[Wrong]) -> Result<String, String> {
+    let right = check(case)?;
     passes(&right)?;
-    ensure!(right.contains("! rimline: error: no/such: cannot be written"), "{right}");
-    for (part, wrong) in [
-        ("0 a.npz", "2 a.npz"),
-        ("cannot be written", "cannot be read"),
-        ("! rimline: error: no/such", "! rimline: no/such"),
-        ("> wrote [..]", "> wrote nothing"),
-        ("> wrote [..]", "> [..]\n> ...\n> more"),
-        ("json /points 1", "json /points 2"),
-        ("json /points 1", "json /points > 1"),
-        ("json /adapter \"cpu\"", "json /adapter \"gpu\""),
-        ("json /adapter \"cpu\"", "jsn /adapter \"cpu\""),
-        ("files a.npz", "files"),
-        ("files a.npz", "lacks a.npz"),
-        ("files a.npz", "has b.npz"),
-        ("files a.npz", "says nothing"),
-        ("files a.npz", "hides points"),
-        ("(1, 1) 1", "(1, 1) 2"),
-        ("(1, 1) 1", "(1, 2) 1"),
-        ("depth <i4", "depth <u4"),
-        ("same a.npz b.npz", "other a.npz b.npz"),
-        ("size p.png 20x10", "size p.png 10x20"),
-        ("count p.png ink > 4", "count p.png ink > 200"),
-        ("> 4 by 9", "< 4 by 9"),
-        ("0,0 255", "0,0 128"),
-        ("m.0.png 255 > 9", "m.0.png 255 < 9"),
-        ("m.0.png 255 > 9", "r.png 255 > 9"),
-        ("values m.0.png 255", "values m.0.png 128 255"),
-        ("m.0.png m.0.png = 0", "m.0.png m.0.png > 0"),
-        ("lacks a.npz:origin", "lacks a.npz:depth"),
-        ("entries a.npz points lights", "entries a.npz lights points"),
-        ("0.1 0.1 0.1", "9 0.1 0.1"),
-    ] {
+    for &(part, wrong) in all_wrong {
         ensure!(right.contains(part), "the case lacks `{part}`");
         let changed = right.replacen(part, wrong, 1);
         ensure!(passes(&changed).is_err(), "`{wrong}` passed instead of `{part}`");
     }
+    Ok(right)
+}
+
+fn archives() -> Outcome {
+    let right = negative(ARCHIVES, WRONG_ARCHIVES)?;
+    ensure!(right.contains("! rimline: error: no/such: cannot be written"), "{right}");
     let shown = passes(&right.replace("cannot be written", "cannot be read")).err().unwrap_or_default();
     let signs = [
         "\n-4 no/such ! rimline: error: no/such: cannot be read",
@@ -87,4 +112,12 @@ fn negative() -> Outcome {
     ];
     ensure!(signs.iter().all(|line| shown.contains(line)), "the difference is not shown: {shown}");
     Ok(())
+}
+
+fn pictures() -> Outcome {
+    negative(PICTURES, WRONG_PICTURES).map(drop)
+}
+
+fn masks() -> Outcome {
+    negative(MASKS, WRONG_MASKS).map(drop)
 }

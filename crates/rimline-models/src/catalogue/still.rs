@@ -126,14 +126,14 @@ pub(super) fn scenes() -> Maker {
     let mut cube = maker.primitive(&shape, U16);
     cube["attributes"]["NORMAL"] = json!(maker.floats("VEC3", &[f32::NAN; 24]));
     let ring = maker.primitive(&shapes::torus(8, 6, 1.0, 0.4), U16);
-    let hidden = maker.primitive(&shapes::moebius(8, 1), U8);
+    let strip = maker.primitive(&shapes::moebius(8, 1), U8);
     add_node(&mut maker, &[cube], json!({ "translation": [3, 0, 0] }));
     add_node(&mut maker, &[ring], json!({ "rotation": [0, 0.6, 0, 0.8], "scale": [1, 1, 2] }));
-    let hidden = add_node(&mut maker, &[hidden], json!({}));
+    let unshown = add_node(&mut maker, &[strip], json!({}));
     let upright = maker.push("nodes", json!({ "mesh": 0, "translation": [0, 4, 0], "scale": [1, -1, 1] }));
     let root = maker.push("nodes", json!({ "scale": [-1, 1, 1], "children": [0, 1, upright] }));
     let alone = maker.push("nodes", json!({ "mesh": 1, "translation": [0, 0, 5], "scale": [1, 1, -0.5] }));
-    maker.scene(&[hidden]);
+    maker.scene(&[unshown]);
     maker.scene(&[root, alone]);
     maker
 }

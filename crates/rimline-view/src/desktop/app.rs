@@ -157,7 +157,7 @@ impl App {
         let Shown { renderer, panel, input, screen, titled } = shown;
         let texture = match screen.next()? {
             Next::Texture(texture) => texture,
-            Next::Hidden => return Ok(()),
+            Next::Occluded => return Ok(()),
             Next::Again => {
                 screen.window.request_redraw();
                 return Ok(());

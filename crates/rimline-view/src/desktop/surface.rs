@@ -20,7 +20,7 @@ pub(super) struct Screen {
 pub(super) enum Next {
     Texture(wgpu::SurfaceTexture),
     /// Nothing is seen; a later event tells when something is.
-    Hidden,
+    Occluded,
     /// The surface was set up anew, so the frame is to be drawn again.
     Again,
 }
@@ -77,11 +77,11 @@ impl Screen {
         match self.surface.get_current_texture() {
             Current::Success(texture) | Current::Suboptimal(texture) => Ok(Next::Texture(texture)),
             Current::Timeout | Current::Validation => Ok(Next::Again),
-            Current::Occluded => Ok(Next::Hidden),
+            Current::Occluded => Ok(Next::Occluded),
             Current::Outdated => {
                 let size = self.window.inner_size();
                 self.resize(size.width, size.height);
-                Ok(if size.width == 0 || size.height == 0 { Next::Hidden } else { Next::Again })
+                Ok(if size.width == 0 || size.height == 0 { Next::Occluded } else { Next::Again })
             }
             Current::Lost => {
                 let surface = self.instance.create_surface(Arc::clone(&self.window));

@@ -5,8 +5,31 @@ use rimline_picture::{PictureFormat, Resources, Targets, color_pass, view};
 use super::error::RenderError;
 use super::gpu::granted;
 
+/// How a picture is drawn.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) struct Quality {
+    /// Samples a pixel.
+    pub(super) samples: u32,
+    /// How many pixels of the window a pixel of the picture is wide and high.
+    pub(super) step: u32,
+}
+
+/// Pictures of more pixels have steps of 2 where the device is software and something moves.
+const MOST_HURRIED: u64 = 1 << 18;
+
+impl Quality {
+    /// The quality that software devices have time for while something moves.
+    pub(super) fn hurried([width, height]: [u32; 2]) -> Self {
+        let pixels = u64::from(width) * u64::from(height);
+        Self { samples: 1, step: if pixels > MOST_HURRIED { 2 } else { 1 } }
+    }
+}
+
 /// The targets of a picture of one size.
 pub(super) struct Canvas {
+    /// The size of the picture in pixels of the window.
+    of: [u32; 2],
+    pub(super) quality: Quality,
     pub(super) size: [u32; 2],
     pub(super) format: PictureFormat,
     pub(super) targets: Targets,
@@ -21,19 +44,24 @@ pub(super) fn format(samples: u32) -> PictureFormat {
 }
 
 impl Canvas {
-    pub(super) fn new(resources: &Resources, size: [u32; 2], samples: u32) -> Result<Self, RenderError> {
+    pub(super) fn new(resources: &Resources, of: [u32; 2], quality: Quality) -> Result<Self, RenderError> {
         let limit = resources.factory.device.limits().max_texture_dimension_2d;
-        let [width, height] = size;
+        let [width, height] = of;
         if width.max(height) > limit {
             return Err(RenderError::Size { width, height, limit });
         }
-        let format = format(samples);
+        let (size, format) = (of.map(|side| side.div_ceil(quality.step)), format(quality.samples));
         let make = || Targets::new(&resources.factory, format, size, wgpu::TextureUsages::TEXTURE_BINDING);
         let targets = granted(&resources.factory.device, make).map_err(|why| RenderError::refused(size, why))?;
         let aspect = wgpu::TextureAspect::DepthOnly;
         let depth = targets.attachments[0].depth.texture();
         let depth = depth.create_view(&wgpu::TextureViewDescriptor { aspect, ..Default::default() });
-        Ok(Self { size, format, depth, picture: view(&targets.picture), targets })
+        Ok(Self { of, quality, size, format, depth, picture: view(&targets.picture), targets })
+    }
+
+    /// Whether it is for pictures of a size and quality.
+    pub(super) fn is_for(&self, of: [u32; 2], quality: Quality) -> bool {
+        self.of == of && self.quality == quality
     }
 
     /// Bytes of all textures.

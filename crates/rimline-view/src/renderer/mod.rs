@@ -1,4 +1,5 @@
-//! Draws the viewer's state into a texture: models, ground and shadows by the stencil, a pass for each light.
+//! Draws the viewer's state into a texture: models and ground in ambient light, then for each light the count of its shadow
+//! volumes in the stencil and the surfaces that it lights.
 
 mod canvas;
 mod counters;
@@ -25,7 +26,7 @@ pub use gpu::Gpu;
 pub use picture::Picture;
 
 use crate::state::viewer::{MAX_SOURCES, Message, Tone, Viewer};
-use canvas::Canvas;
+use canvas::{Canvas, Quality};
 use counters::Readings;
 use drawing::Drawing;
 use drawn::Drawn;
@@ -35,12 +36,12 @@ use picture::Copy;
 use pipelines::Pipelines;
 use scene::SeenScene;
 
-/// Draws the state of a viewer into a texture of its own. Nothing waits for the device.
+/// Draws the state of a viewer into a texture that it owns. No method waits for the device.
 pub struct Renderer {
     gpu: Gpu,
     resources: Resources,
     normals: NormalPipeline,
-    /// By the number of samples.
+    /// One for each number of samples a pixel that was drawn with.
     pipelines: Vec<Pipelines>,
     models: Option<Models>,
     overlays: Option<Overlays>,
@@ -53,7 +54,7 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// Makes what all pictures share.
+    /// A renderer without models: the first picture makes them.
     ///
     /// # Errors
     /// [`RenderError`] if the device lacks what shadows need.
@@ -86,23 +87,30 @@ impl Renderer {
         self.canvas.as_ref().map(|canvas| &canvas.picture)
     }
 
-    /// The number of pictures that were drawn.
+    /// How many pictures [`Self::texture`] has had. Screenshots are not among them.
     pub fn pictures(&self) -> u64 {
         self.pictures
     }
 
-    /// Whether the picture is not of this state: something changed since it was drawn.
+    /// Whether the picture is not of this state: something changed since it was drawn, or since [`Self::show`] failed to
+    /// draw it.
     pub fn is_stale(&self, viewer: &Viewer) -> bool {
         self.drawn.as_ref() != Some(&Drawn::of(viewer))
     }
 
-    /// Whether [`Self::refine`] makes a smoother picture: the last one was drawn in a hurry.
+    /// Whether the last picture has fewer pixels or samples than [`Self::refine`] draws with these options.
     pub fn is_coarse(&self, viewer: &Viewer) -> bool {
-        self.canvas.as_ref().is_some_and(|canvas| canvas.format.samples < viewer.options.samples)
+        self.canvas.as_ref().is_some_and(|canvas| canvas.quality != self.full(viewer.options.samples))
     }
 
-    /// Draws the state, if the picture is not of it already: with one sample a pixel on software devices, else with as many as
-    /// the options say. Returns whether it did.
+    /// How many pixels of the window a pixel of [`Self::texture`] is wide and high: 2 in large pictures that [`Self::draw`]
+    /// made on software devices, else 1.
+    pub fn step(&self) -> u32 {
+        self.canvas.as_ref().map_or(1, |canvas| canvas.quality.step)
+    }
+
+    /// Draws the state, unless the picture is of it already: on software devices with one sample a pixel, and large pictures
+    /// with fewer pixels; else with as many samples as the options ask for. Returns whether it drew.
     ///
     /// # Errors
     /// [`RenderError`]. The picture before stays.
@@ -110,20 +118,30 @@ impl Renderer {
         if !self.is_stale(viewer) {
             return Ok(false);
         }
-        let samples = if self.gpu.is_software { 1 } else { viewer.options.samples };
-        self.draw_with(viewer, samples).map(|()| true)
+        let quality =
+            if self.gpu.is_software { Quality::hurried(viewer.size()) } else { self.full(viewer.options.samples) };
+        self.draw_with(viewer, quality).map(|()| true)
     }
 
-    /// Draws the state once more with all samples, for what stays as it is.
+    /// Draws the state with all pixels and as many samples as the options ask for, on every device. It is slow on software
+    /// devices: call it when the state has stayed the same for a while.
     ///
     /// # Errors
     /// [`RenderError`]. The picture before stays.
     pub fn refine(&mut self, viewer: &Viewer) -> Result<(), RenderError> {
-        self.draw_with(viewer, viewer.options.samples)
+        self.draw_with(viewer, self.full(viewer.options.samples))
     }
 
-    /// Draws like [`Self::draw`]. A model that fails is taken out, overlays that fail are switched off, and every failure
-    /// becomes the viewer's message. A lost device changes nothing of the viewer. Returns whether there is a new picture.
+    /// All pixels, with so many samples each. OpenGL has one, since with wgpu 30 shaders there cannot read a depth of several
+    /// samples.
+    fn full(&self, samples: u32) -> Quality {
+        let is_opengl = self.gpu.device.adapter_info().backend == wgpu::Backend::Gl;
+        Quality { samples: if is_opengl { 1 } else { samples }, step: 1 }
+    }
+
+    /// Draws like [`Self::draw`]. A model that fails is removed from the viewer, overlays that fail are switched off, and the
+    /// viewer's message becomes the last failure. A lost device changes nothing of the viewer. Returns whether there is a new
+    /// picture.
     pub fn show(&mut self, viewer: &mut Viewer) -> bool {
         loop {
             match self.draw(viewer) {
@@ -136,7 +154,7 @@ impl Renderer {
                         RenderError::Overlays { .. } => {
                             viewer.options.overlays = viewer.options.overlays.without_edges();
                         }
-                        // The same state would fail again.
+                        // The same state would fail again, so it does not count as stale.
                         _ => self.drawn = Some(Drawn::of(viewer)),
                     }
                     viewer.message = Some(Message::new(Tone::Error, error.to_string()));
@@ -148,17 +166,18 @@ impl Renderer {
         }
     }
 
-    /// Takes numbers of earlier frames that have arrived. Returns whether some did.
+    /// Puts numbers of earlier frames that the device has given by now into [`Self::counters`]. Returns whether there were
+    /// any.
     pub fn poll(&mut self) -> bool {
         self.readings.poll(&self.gpu, &mut self.counters)
     }
 
-    /// Whether numbers are on their way, for which [`Self::poll`] is to be called.
+    /// Whether the device has yet to give numbers of a frame: call [`Self::poll`] until it has.
     pub fn is_waiting(&self) -> bool {
         self.readings.are_pending()
     }
 
-    /// Numbers of an earlier frame.
+    /// Numbers of the last frame that was read back.
     pub fn counters(&self) -> &Counters {
         &self.counters
     }
@@ -168,19 +187,18 @@ impl Renderer {
         self.timer.is_some()
     }
 
-    fn draw_with(&mut self, viewer: &Viewer, samples: u32) -> Result<(), RenderError> {
+    fn draw_with(&mut self, viewer: &Viewer, quality: Quality) -> Result<(), RenderError> {
         let size = viewer.size();
-        let is_fit = |canvas: &mut Canvas| canvas.size == size && canvas.format.samples == samples;
-        let (canvas, is_new) = match self.canvas.take_if(is_fit) {
-            Some(canvas) => (canvas, false),
-            None => (Canvas::new(&self.resources, size, samples)?, true),
-        };
+        let last = self.canvas.take_if(|canvas| canvas.is_for(size, quality));
+        let is_last = last.is_some();
+        let canvas = if let Some(last) = last { last } else { Canvas::new(&self.resources, size, quality)? };
         let mut encoder = self.gpu.encoder("view");
         let recorded = self.record(&mut encoder, viewer, &canvas);
         self.counters.bytes = canvas.bytes() + self.models.as_ref().map_or(0, Models::bytes);
         let report = self.gpu.device.generate_allocator_report();
         self.counters.device_bytes = report.map(|report| report.total_allocated_bytes);
-        if recorded.is_ok() || !is_new {
+        // After a failure the canvas of the last picture stays. A new one would have no picture.
+        if is_last || recorded.is_ok() {
             self.canvas = Some(canvas);
         }
         let frame = recorded?;
@@ -195,8 +213,8 @@ impl Renderer {
         Ok(())
     }
 
-    /// Draws the state into a picture of its own with four samples a pixel, so many times as large each way. The future waits
-    /// for the device, which somebody must poll.
+    /// Draws the state into another picture, `scale` times as wide and as high, with four samples a pixel, or one
+    /// on OpenGL. The caller must poll the device until the future is ready.
     ///
     /// # Errors
     /// [`RenderError`], also if the device has no textures of that size.
@@ -206,7 +224,7 @@ impl Renderer {
         scale: u32,
     ) -> Result<impl Future<Output = Result<Picture, RenderError>> + use<>, RenderError> {
         let size = viewer.size().map(|side| side.saturating_mul(scale));
-        let canvas = Canvas::new(&self.resources, size, 4)?;
+        let canvas = Canvas::new(&self.resources, size, self.full(4))?;
         let copy = gpu::granted(&self.gpu.device, || Copy::new(&self.gpu.device, size));
         let copy = copy.map_err(|why| RenderError::refused(size, why))?;
         let mut encoder = self.gpu.encoder("screenshot");
@@ -216,7 +234,7 @@ impl Renderer {
         Ok(read(&self.gpu, copy))
     }
 
-    /// Reads the last picture. The future waits for the device, which somebody must poll. `None`: none was drawn.
+    /// Reads the last picture. The caller must poll the device until the future is ready. `None`: none was drawn.
     pub fn read(&self) -> Option<impl Future<Output = Result<Picture, RenderError>> + use<>> {
         let canvas = self.canvas.as_ref()?;
         let mut encoder = self.gpu.encoder("read");
@@ -226,14 +244,9 @@ impl Renderer {
         Some(read(&self.gpu, copy))
     }
 
-    /// Records everything of a picture.
-    fn record(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        viewer: &Viewer,
-        canvas: &Canvas,
-    ) -> Result<SceneFrame, RenderError> {
-        let (gpu, samples, options) = (&self.gpu, canvas.format.samples, &viewer.options);
+    /// Makes models, overlays and pipelines, unless there are those of this state.
+    fn make(&mut self, viewer: &Viewer, samples: u32) -> Result<(), RenderError> {
+        let (gpu, options) = (&self.gpu, &viewer.options);
         if self.models.as_ref().is_none_or(|models| models.made != Made::of(viewer)) {
             self.models = None;
             self.models = Some(Models::new(gpu, &self.resources, &self.normals, viewer)?);
@@ -246,13 +259,25 @@ impl Renderer {
         if !self.pipelines.iter().any(|pipelines| pipelines.samples() == samples) {
             self.pipelines.push(Pipelines::new(gpu, &self.resources, samples)?);
         }
+        let mode = if options.shadows { options.mode } else { Mode::Additive };
+        let pipelines = self.pipelines.iter_mut().find(|pipelines| pipelines.samples() == samples);
+        pipelines.map_or(Ok(()), |pipelines| pipelines.prepare(gpu, &self.resources, options.counting, mode))
+    }
+
+    /// Records the picture of a state onto a canvas. The frame has the counts of what was encoded.
+    fn record(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        viewer: &Viewer,
+        canvas: &Canvas,
+    ) -> Result<SceneFrame, RenderError> {
+        self.make(viewer, canvas.format.samples)?;
+        let (gpu, options) = (&self.gpu, &viewer.options);
         let Self { models: Some(models), pipelines, resources, normals, timer, overlays, .. } = self else {
             unreachable!("the models were made above");
         };
-        let pipelines = pipelines.iter_mut().find(|pipelines| pipelines.samples() == samples);
+        let pipelines = pipelines.iter().find(|pipelines| pipelines.samples() == canvas.format.samples);
         let Some(pipelines) = pipelines else { unreachable!("they were made above") };
-        let mode = if options.shadows { options.mode } else { Mode::Additive };
-        pipelines.prepare(gpu, resources, options.counting, mode)?;
 
         let seen = SeenScene::of(viewer, canvas.size);
         let view = seen.view();
@@ -269,7 +294,8 @@ impl Renderer {
             let seen = Drawing::of_receivers(resources, pipelines, models, has_ground);
             pipelines.passes.record_receivers(encoder, resources, attachments, &seen);
         };
-        // Where the surfaces are as in the last frame, their depth is drawn first and tells which shadows fall on something.
+        // If the buffers of the last encode's surfaces are still right, the surfaces are drawn first: their depth lets the
+        // encode leave out shadows that fall on nothing.
         let depth = (options.shadows && options.skipping.receivers && models.has_surfaces()).then(|| {
             ambient(encoder, models);
             Receivers { depth: &canvas.depth, sky_receives: false, version: None }

@@ -1,5 +1,7 @@
 //! Pipelines of the picture, for a number of samples a pixel.
 
+use std::cell::OnceCell;
+
 use rimline::Counting;
 use rimline::gpu::{OutlineFormat, OutlinePipeline, ShadowFormat, ShadowPipelines};
 use rimline_picture::{Mode, Onto, PicturePipelines, ReceiverPass, Resources, VolumeOverlay, depth_format};
@@ -17,7 +19,8 @@ pub(super) struct Pipelines {
     pub(super) volumes: VolumeOverlay,
     pub(super) outlines: OutlinePipeline,
     shadows: Vec<(Counting, ShadowPipelines)>,
-    tiles: Option<Tiles>,
+    /// Made when they are first drawn.
+    tiles: OnceCell<Tiles>,
 }
 
 impl Pipelines {
@@ -34,7 +37,7 @@ impl Pipelines {
             volumes: VolumeOverlay::new(resources, light),
             outlines: OutlinePipeline::new(&gpu.pipelines, &outlines)?,
             shadows: Vec::new(),
-            tiles: None,
+            tiles: OnceCell::new(),
         })
     }
 
@@ -63,10 +66,9 @@ impl Pipelines {
         Ok(())
     }
 
-    /// The pipeline of receivers, which is made when it is first needed.
-    pub(super) fn tiles(&mut self, resources: &Resources) -> &Tiles {
-        let format = self.passes.format();
-        self.tiles.get_or_insert_with(|| Tiles::new(resources, format))
+    /// Draws receivers.
+    pub(super) fn tiles(&self, resources: &Resources) -> &Tiles {
+        self.tiles.get_or_init(|| Tiles::new(resources, self.passes.format()))
     }
 
     /// The pipelines of volumes that were prepared.

@@ -13,11 +13,12 @@ use rimline_view::{
 
 use crate::support::{Outcome, block, drag, finish, gpu, handle, hold, on_ground, picture, rest, say, viewer};
 
-pub(crate) const TESTS: [Test; 13] = [
+pub(crate) const TESTS: [Test; 14] = [
     ("a light dragged moves its shadow to where rays say", a_light_dragged_moves_its_shadow),
     ("a light with an area has soft shadows", soft_shadows),
     ("a spot lights a circle that is dragged", spots),
     ("a still viewer draws nothing", a_still_viewer_draws_nothing),
+    ("a state that cannot be drawn leaves the last picture, of its size", a_failure_leaves_the_last_picture),
     ("counting methods and levels of skipping change no picture", switches_change_no_picture),
     ("a model that nothing seen needs is left out, if that is wanted", casters_that_are_not_needed),
     ("every overlay and mode changes the picture and nothing fails", overlays_change_the_picture),
@@ -212,6 +213,18 @@ fn a_still_viewer_draws_nothing() -> Outcome {
     hold(renderer.pictures() == 1, "more than one picture was drawn")?;
     viewer.handle(Event::Acted(Action::TurnLeft));
     hold(renderer.draw(&viewer).map_err(say)?, "turning drew no picture")
+}
+
+fn a_failure_leaves_the_last_picture() -> Outcome {
+    let (mut viewer, mut renderer) = viewer(scenes::still_life, [160, 120])?;
+    let before = picture(&viewer, &mut renderer)?;
+    viewer.handle(Event::Resized([120, 200]));
+    viewer.lamps[0].kind = LampKind::Point(Vec3::NAN);
+    hold(renderer.draw(&viewer).is_err(), "a light that is nowhere was drawn")?;
+    let after = renderer.read().ok_or("the picture is gone")?;
+    hold(finish(&renderer, after)? == before, "a failure changed the picture")?;
+    let mut first = Renderer::new(gpu()?).map_err(say)?;
+    hold(first.draw(&viewer).is_err() && first.texture().is_none(), "a picture that was not drawn is shown")
 }
 
 fn switches_change_no_picture() -> Outcome {

@@ -207,11 +207,11 @@ fn without_a_display() -> Result<(), String> {
 
 fn without_a_gpu() -> Result<(), String> {
     let (display, folder) = (Display::start()?, tempfile::tempdir().map_err(say)?);
-    let hidden =
+    let output =
         viewer(folder.path()).env("DISPLAY", &display.name).env("WGPU_BACKEND", "noop").output().map_err(say)?;
-    let said = String::from_utf8_lossy(&hidden.stderr);
+    let said = String::from_utf8_lossy(&output.stderr);
     let is_clear = said.contains("no GPU was found");
-    expect(!hidden.status.success() && is_clear, format!("{}: {said}", hidden.status))
+    expect(!output.status.success() && is_clear, format!("{}: {said}", output.status))
 }
 
 fn without_a_file() -> Result<(), String> {

@@ -12,9 +12,8 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 use rimline::Light;
-use rimline::internals::cpu::is_finite;
 
-use crate::coincident::Joined;
+use crate::coincident::{Joined, is_finite};
 
 /// Cells are cut into four so many times.
 const MOST_CUTS: u32 = 24;
@@ -24,7 +23,7 @@ const MOST_WORK: usize = 1 << 26;
 /// At most so many faces meet any ray from the light. If that is not above `enough`, it holds; else more may be there
 /// than that, or it is not known.
 pub(super) fn deepest(light: Light, positions: &[[f32; 3]], faces: &[[u32; 3]], enough: u32) -> u32 {
-    let is_drawn = |face: &&[u32; 3]| face.iter().all(|&v| positions.get(v as usize).is_some_and(|&p| is_finite(p)));
+    let is_drawn = |face: &&[u32; 3]| is_finite(positions, face);
     let faces: Vec<[u32; 3]> = faces.iter().filter(is_drawn).copied().collect();
     if faces.len() <= enough as usize {
         return faces.len() as u32;

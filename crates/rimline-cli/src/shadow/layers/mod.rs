@@ -83,7 +83,7 @@ impl Layers {
         let (counting, resolve) = pipelines.get()?;
         for (number, batch) in self.batches.iter().enumerate() {
             if number > 0 {
-                // Where a count is not 0, sets the bit of darkness and the count to 0.
+                // Where a count is not 0, sets the dark bit, and the count to 0.
                 pass.set_pipeline(resolve);
                 pass.set_stencil_reference(MOST_OF_BATCH + 1);
                 pass.draw(0..3, 0..1);
@@ -139,8 +139,8 @@ impl Batch {
 const COUNT_BITS: u32 = 7;
 const MOST_OF_BATCH: u32 = (1 << COUNT_BITS) - 1;
 
-/// Pipelines of batches, made when they are first needed, as most pictures do without: they count volumes, and make
-/// counts a bit of darkness.
+/// Pipelines of batches: they count volumes, and turn counts into the dark bit, which says that an earlier batch casts a
+/// shadow. Made when they are first needed, since most pictures need none.
 pub(crate) struct BatchPipelines {
     pipelines: Pipelines,
     format: ShadowFormat,
@@ -165,7 +165,7 @@ impl BatchPipelines {
 }
 
 fn resolve(device: &wgpu::Device, format: &ShadowFormat) -> wgpu::RenderPipeline {
-    // The reference has no bit of the count, so the comparison is with 0.
+    // The reference is the dark bit, which `read_mask` leaves out, so the comparison is of the count with 0.
     let face = wgpu::StencilFaceState {
         compare: wgpu::CompareFunction::NotEqual,
         pass_op: wgpu::StencilOperation::Replace,

@@ -261,7 +261,7 @@ pub(super) struct Look<'a> {
 
 impl Look<'_> {
     /// Whether a face is seen at a point.
-    pub(super) fn is_covered(&self, column: usize, row: usize) -> bool {
+    pub(super) fn has_face(&self, column: usize, row: usize) -> bool {
         !self.hits[row * self.size + column].is_empty()
     }
 

@@ -2,62 +2,65 @@
 
 use glam::{DAffine3, DMat4, DVec2, DVec3, DVec4, Mat4, Vec3};
 use rimline::{DepthDirection, Light, ShadowCamera};
-use rimline_testkit::polygons::PolygonSet;
-use rimline_testkit::random::Random;
-use rimline_testkit::shapes::Shape;
+
+use crate::polygons::PolygonSet;
+use crate::random::Random;
+use crate::shapes::Shape;
 
 /// Triangles of one caster or receiver.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Body {
+pub struct Body {
     /// In world space.
-    pub(crate) shape: Shape,
-    pub(crate) casts: bool,
+    pub shape: Shape,
+    pub casts: bool,
     /// Whether it is in the depth buffer. A proxy is not.
-    pub(crate) is_drawn: bool,
+    pub is_drawn: bool,
     /// Whether a scene is told that it is. Others are never told.
-    pub(crate) in_depth: bool,
+    pub in_depth: bool,
     /// The GPU gets a mesh in its own space, which is placed by a scale of 1 or -1 along each axis, of a negative
     /// determinant. So nothing is rounded.
-    pub(crate) mirror: Option<Vec3>,
+    pub mirror: Option<Vec3>,
     /// Faces that a scene excludes for the first light.
-    pub(crate) left_out: Vec<u32>,
+    pub left_out: Vec<u32>,
     /// The faces of the shape are the triangles of these polygons, and the mesh is one of polygons.
-    pub(crate) polygons: Option<PolygonSet>,
+    pub polygons: Option<PolygonSet>,
     /// A light of a scene that it does not cast for.
-    pub(crate) lacks: Option<usize>,
+    pub lacks: Option<usize>,
 }
 
 /// A caster as the GPU gets it, with camera and lights in its space.
-pub(crate) struct Placed {
-    pub(crate) shape: Shape,
-    pub(crate) camera: ShadowCamera,
-    pub(crate) lights: Vec<Light>,
+pub struct Placed {
+    pub shape: Shape,
+    pub camera: ShadowCamera,
+    pub lights: Vec<Light>,
 }
 
 impl Body {
-    pub(crate) fn caster(shape: Shape) -> Self {
+    pub fn caster(shape: Shape) -> Self {
         Self { shape, casts: true, is_drawn: true, in_depth: true, ..Self::default() }
     }
 
-    pub(crate) fn moved(mut self, by: [f32; 3]) -> Self {
+    #[must_use]
+    pub fn moved(mut self, by: [f32; 3]) -> Self {
         self.shape.positions.iter_mut().for_each(|p| *p = std::array::from_fn(|axis| p[axis] + by[axis]));
         self
     }
 
-    pub(crate) fn scaled(mut self, by: f32) -> Self {
+    #[must_use]
+    pub fn scaled(mut self, by: f32) -> Self {
         self.shape.positions.iter_mut().for_each(|p| *p = p.map(|c| c * by));
         self
     }
 
     /// Faces whose corners are all finite; the others are holes.
-    pub(crate) fn finite_faces(&self) -> Vec<[u32; 3]> {
+    pub fn finite_faces(&self) -> Vec<[u32; 3]> {
         let is_finite = |v: u32| self.shape.positions[v as usize].iter().all(|c| c.is_finite());
         self.shape.faces.iter().filter(|face| face.iter().all(|&v| is_finite(v))).copied().collect()
     }
 
     /// A closed room around what casts, seen from inside.
-    pub(crate) fn room(centre: [f32; 3], half: f32) -> Self {
-        let mut shape = rimline_testkit::shapes::cube();
+    pub fn room(centre: [f32; 3], half: f32) -> Self {
+        let mut shape = crate::shapes::cube();
         for face in &mut shape.faces {
             face.swap(1, 2);
         }
@@ -67,22 +70,22 @@ impl Body {
 
 /// Eye, direction and near distance; 60° high and wide, or orthographic.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Eye {
-    pub(crate) position: DVec3,
-    pub(crate) forward: DVec3,
-    pub(crate) near: f64,
+pub struct Eye {
+    pub position: DVec3,
+    pub forward: DVec3,
+    pub near: f64,
     /// Positions are taken relative to the eye.
-    pub(crate) is_relative: bool,
-    pub(crate) depth: DepthDirection,
+    pub is_relative: bool,
+    pub depth: DepthDirection,
     /// The distance of the far plane, if there is one.
-    pub(crate) far: Option<f64>,
+    pub far: Option<f64>,
     /// Half the width of the view of an orthographic camera, which has a far plane.
-    pub(crate) half_width: Option<f64>,
+    pub half_width: Option<f64>,
 }
 
 impl Eye {
     /// A perspective camera with reversed depth, without a far plane.
-    pub(crate) fn new(position: DVec3, forward: DVec3, near: f64) -> Self {
+    pub fn new(position: DVec3, forward: DVec3, near: f64) -> Self {
         let depth = DepthDirection::Reversed;
         Self { position, forward, near, is_relative: false, depth, far: None, half_width: None }
     }
@@ -95,7 +98,7 @@ impl Eye {
     }
 
     /// The matrix that the GPU gets, rounded once, and the camera it makes.
-    pub(crate) fn camera(&self) -> ShadowCamera {
+    pub fn camera(&self) -> ShadowCamera {
         let [right, up, forward] = self.basis();
         let origin = if self.is_relative { self.position.as_vec3() } else { Vec3::ZERO };
         let from = self.position - origin.as_dvec3();
@@ -123,22 +126,22 @@ impl Eye {
 }
 
 /// A direction at random, of length 1 but for rounding.
-pub(crate) fn vector(random: &mut Random) -> DVec3 {
+pub fn vector(random: &mut Random) -> DVec3 {
     DVec3::from(random.direction().map(f64::from))
 }
 
 /// A frame to be drawn and traced.
 #[derive(Clone, Debug)]
-pub(crate) struct Frame {
-    pub(crate) bodies: Vec<Body>,
-    pub(crate) eye: Eye,
-    pub(crate) lights: Vec<Light>,
-    pub(crate) size: u32,
+pub struct Frame {
+    pub bodies: Vec<Body>,
+    pub eye: Eye,
+    pub lights: Vec<Light>,
+    pub size: u32,
 }
 
 impl Frame {
     /// A mirrored instance's mesh stays in its own space, with its faces as they are there; camera and lights go there.
-    pub(crate) fn placed(&self, body: &Body) -> Placed {
+    pub fn placed(&self, body: &Body) -> Placed {
         let (mut shape, mut camera, mut lights) = (body.shape.clone(), self.eye.camera(), self.lights.clone());
         if let Some(mirror) = body.mirror {
             for position in &mut shape.positions {
@@ -158,14 +161,14 @@ impl Frame {
 }
 
 /// The middle of a pixel, in pixels from its upper left corner, right and down.
-pub(crate) const CENTRE: DVec2 = DVec2::splat(0.5);
+pub const CENTRE: DVec2 = DVec2::splat(0.5);
 
 /// Where four samples of a pixel are: WebGPU's standard pattern.
-pub(crate) const SAMPLES: [DVec2; 4] =
+pub const SAMPLES: [DVec2; 4] =
     [DVec2::new(0.375, 0.125), DVec2::new(0.875, 0.375), DVec2::new(0.125, 0.625), DVec2::new(0.625, 0.875)];
 
 /// The camera's rays as the GPU's matrix has them: from a point of the near plane on, in f64.
-pub(crate) struct Rays {
+pub struct Rays {
     inverse: DMat4,
     origin: DVec3,
     size: f64,
@@ -175,7 +178,7 @@ pub(crate) struct Rays {
 
 impl Rays {
     /// Rays through the centres of a picture's pixels.
-    pub(crate) fn new(camera: &ShadowCamera, size: u32) -> Self {
+    pub fn new(camera: &ShadowCamera, size: u32) -> Self {
         let matrix = Mat4::from_cols_array_2d(&camera.view_projection);
         Self {
             inverse: matrix.as_dmat4().inverse(),
@@ -187,17 +190,18 @@ impl Rays {
     }
 
     /// Rays through another point of each pixel.
-    pub(crate) fn through(self, within_pixel: DVec2) -> Self {
+    #[must_use]
+    pub fn through(self, within_pixel: DVec2) -> Self {
         Self { within_pixel, ..self }
     }
 
     /// Where a pixel's ray begins, on the near plane, and its direction.
-    pub(crate) fn ray(&self, x: u32, y: u32) -> (DVec3, DVec3) {
+    pub fn ray(&self, x: u32, y: u32) -> (DVec3, DVec3) {
         self.at(DVec2::new(f64::from(x), f64::from(y)) + self.within_pixel)
     }
 
     /// The same for any point of the picture, in pixels.
-    pub(crate) fn at(&self, point: DVec2) -> (DVec3, DVec3) {
+    pub fn at(&self, point: DVec2) -> (DVec3, DVec3) {
         let ndc = point / self.size * 2.0 - 1.0;
         let (x, y) = (ndc.x, -ndc.y);
         let near = self.inverse * DVec4::new(x, y, self.near_z, 1.0);

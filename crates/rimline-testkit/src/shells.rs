@@ -2,13 +2,13 @@
 
 use glam::Vec3;
 use rimline::Light;
-use rimline_testkit::random::Random;
-use rimline_testkit::shapes::{self, Shape};
 
-use crate::scene::{Body, Eye, Frame};
+use crate::frames::{Body, Eye, Frame};
+use crate::random::Random;
+use crate::shapes::{self, Shape};
 
 /// A component's shape, turned inside out or not.
-pub(crate) fn component(mut shape: Shape, [x, y, z]: [f32; 3], scale: f32, is_inwards: bool) -> Shape {
+pub fn component(mut shape: Shape, [x, y, z]: [f32; 3], scale: f32, is_inwards: bool) -> Shape {
     for position in &mut shape.positions {
         let [a, b, c] = *position;
         *position = [x + scale * a, y + scale * b, z + scale * c];
@@ -27,7 +27,7 @@ fn any_shape(random: &mut Random) -> Shape {
     }
 }
 
-pub(crate) fn somewhere(random: &mut Random, most: f32) -> [f32; 3] {
+pub fn somewhere(random: &mut Random, most: f32) -> [f32; 3] {
     random.direction().map(|c| c * most * random.between(0.0, 1.0))
 }
 
@@ -49,7 +49,7 @@ fn shells(random: &mut Random) -> Shape {
 }
 
 /// A light within the box of the shells, at it, or far from it; and an eye within or without.
-pub(crate) fn nested(random: &mut Random) -> Frame {
+pub fn nested(random: &mut Random) -> Frame {
     let kind = random.below(6);
     let shape = shells(random);
     let corners = shape.positions.iter().map(|&position| Vec3::from(position));

@@ -2,25 +2,25 @@
 
 use glam::{DVec3, Vec3};
 use rimline::Light;
-use rimline_testkit::shapes::{self, Shape};
 
-use crate::scene::{Body, Eye, Frame, vector};
+use crate::frames::{Body, Eye, Frame, vector};
+use crate::random::Random;
+use crate::shapes::{self, Shape};
 use crate::shells;
-use rimline_testkit::random::Random;
 
 /// A class of frames.
-pub(crate) struct Class {
-    pub(crate) name: &'static str,
-    pub(crate) frame: fn(&mut Random) -> Frame,
+pub struct Class {
+    pub name: &'static str,
+    pub frame: fn(&mut Random) -> Frame,
     /// Whether casters touch. Faces between point and light then do not predict the stencil's count.
-    pub(crate) touches: bool,
+    pub touches: bool,
 }
 
 const fn class(name: &'static str, frame: fn(&mut Random) -> Frame) -> Class {
     Class { name, frame, touches: false }
 }
 
-pub(crate) const CLASSES: &[Class] = &[
+pub const CLASSES: &[Class] = &[
     class("random cameras", random),
     class("camera outside the shadow", outside),
     class("near rectangle partly in shadow, light behind", |random| inside(random, true, true)),
