@@ -307,7 +307,9 @@ mod tests {
     #[test]
     fn a_window_that_was_hidden_leaves_no_frame_time() {
         let mut history = VecDeque::new();
-        [0.25, 3600.0, 0.5].into_iter().for_each(|passed| note(&mut history, passed));
+        for passed in [0.25, 3600.0, 0.5] {
+            note(&mut history, passed);
+        }
         assert_eq!(history, [500.0, 250.0]);
         (0..2 * HISTORY).for_each(|_| note(&mut history, 0.0));
         assert_eq!(history.len(), HISTORY);
