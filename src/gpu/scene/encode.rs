@@ -203,8 +203,10 @@ impl Scene {
         self.set_room(Room { views: before.views.max(views), receiver_words: before.receiver_words.max(words) });
         let made = match self.prepare_in_room(views) {
             Err(ShadowError::Device(DeviceError::MemoryLimit { .. } | DeviceError::OutOfMemory { .. })) => {
-                // Reused buffers may be larger than needed.
+                // Reused buffers may be larger than needed, and the steps hold those of what was removed.
                 (self.structure, self.last, self.volumes) = (None, None, None);
+                self.steps.clear();
+                self.removed.clear();
                 self.prepare_in_room(views)
             }
             made => made,
