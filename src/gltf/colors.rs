@@ -54,7 +54,8 @@ pub(super) const WELDING: [u64; 2] = [4 + 12, 12];
 
 impl Colors {
     /// Gives each face the mean colour of its corners, if vertices at one position have different colours: welding would mix
-    /// these. The faces may have any number of corners. Colours that are missing are white.
+    /// these. The faces may have any number of corners; without corners they keep their colour. Colours that are missing are
+    /// white.
     pub fn split_seams<'a>(&mut self, positions: &[[f32; 3]], faces: impl ExactSizeIterator<Item = &'a [u32]>) {
         let Some(vertices) = &self.vertices else { return };
         let mut order: Vec<u32> = (0..positions.len() as u32).collect();
@@ -66,8 +67,9 @@ impl Colors {
         if !order.windows(2).any(is_seam) {
             return;
         }
-        let of_faces = self.faces.get_or_insert_with(|| vec![WHITE; faces.len()]);
-        for (color, corners) in of_faces.iter_mut().zip(faces) {
+        let of_faces = self.faces.get_or_insert_default();
+        of_faces.resize(of_faces.len().max(faces.len()), WHITE);
+        for (color, corners) in of_faces.iter_mut().zip(faces).filter(|(_, corners)| !corners.is_empty()) {
             for (channel, value) in color.iter_mut().enumerate() {
                 let of_corner = |&v: &u32| f64::from(vertices.get(v as usize).unwrap_or(&WHITE)[channel]);
                 let sum: f64 = corners.iter().map(of_corner).sum();
@@ -119,6 +121,10 @@ mod tests {
         split.split_seams(&positions, faces.iter().map(<[u32; 3]>::as_slice));
         let mean = (2.0_f64 / 3.0) as f32;
         assert_eq!(split, Colors { faces: Some(vec![[1.0, mean, mean]]), vertices: None });
+        let mut of_few = Colors { faces: Some(vec![red]), ..given.clone() };
+        let corners: [&[u32]; 3] = [&[], &faces[0], &[]];
+        of_few.split_seams(&positions, corners.into_iter());
+        assert_eq!(of_few.faces, Some(vec![red, [1.0, mean, mean], WHITE]));
         let geometry = Geometry::new(positions, faces.to_vec(), GeometryOptions::default()).expect("a face");
         assert_eq!(given.welded(&faces, &geometry).vertices, Some(vec![red, WHITE, WHITE]));
     }

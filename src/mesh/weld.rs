@@ -22,11 +22,11 @@ pub enum Weld {
     Position,
     /// None. Vertices stay as given.
     Keep,
-    /// Vertices that are near each other: the connected components of pairs at most a distance apart, compared exactly,
-    /// in any order of the vertices. The vertices of a pair have equal skin and morph data, unless the distance is
-    /// [`WeldDistance::across_data`]; those that are infinite or NaN are joined if their bits are equal. Each group
-    /// takes the lexicographically smallest of its positions. So chains of near vertices become one point, however long
-    /// they are: see [`WeldCounts::wide`].
+    /// Vertices that are near each other: the connected components of pairs at most a distance apart, compared exactly.
+    /// Groups do not depend on the order of the vertices. The vertices of a pair have equal skin and morph data, unless
+    /// the distance is [`WeldDistance::across_data`]; those that are infinite or NaN are joined if their bits are equal.
+    /// Each group takes the lexicographically smallest of its positions, so chains of near vertices become one point,
+    /// however long they are: see [`WeldCounts::wide`].
     Distance(WeldDistance),
 }
 

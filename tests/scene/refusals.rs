@@ -4,7 +4,10 @@ use rimline::gpu::{
     Caster, CasterPositions, DeformError, DeformerOptions, DeviceError, ExtractorError, FrameInputs, LightMask,
     MAX_BOUNDARY_EDGES, MeshHandle, PositionBuffer, Scene, SceneOptions, ShadowError, StencilCounts,
 };
-use rimline::{DepthDirection, Light, LightError, Mesh, ShadowCamera, mesh::Weld};
+use rimline::{
+    DepthDirection, Geometry, GeometryOptions, Instance, InstancePose, Light, LightError, Mesh, Model, Pose,
+    ShadowCamera, mesh::Weld,
+};
 use rimline_testkit::IDENTITY;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
@@ -25,6 +28,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("removed_meshes_of_polygons_give_their_memory_back", given_back),
     ("a_removed_mesh_takes_memory_until_the_next_encode", held),
     ("a_removed_model_takes_memory_until_the_next_encode", held_positions),
+    ("an_encode_beyond_the_memory_holds_nothing_that_was_removed", held_by_nothing),
     ("more_views_or_groups_than_the_device_allows_are_typed_errors", too_many),
     ("buffers_that_are_destroyed_between_encodes_are_typed_errors", destroyed),
 ];
@@ -300,6 +304,32 @@ fn held_positions() -> Result<(), String> {
         refusal("an encode", encoded(gpu, &mut scene, 0)?, Expected::Taken),
         refusal("in its stead", insert(&mut scene), Expected::Taken),
     ])
+}
+
+/// Its positions take more than the results. Positions without a face make no results.
+fn held_by_nothing() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let geometry = Geometry::new(vec![[0.0; 3]; 60_000], vec![[0, 1, 2]], GeometryOptions::default()).map_err(text)?;
+    let model = Model::new(vec![geometry], vec![Instance::new(0, None)]).map_err(text)?;
+    let pose = Pose::new(vec![InstancePose::new([IDENTITY], Vec::new()).map_err(text)?]);
+    let insert = |scene: &mut Scene| scene.insert_model(&model, &pose, DeformerOptions::default());
+    let (positions, mesh) = cube()?;
+    let ((mut scene, cube, handle), limit) = begun(|limit| {
+        let mut scene = scene(gpu, Some(limit))?;
+        scene.add_light(LIGHT).map_err(text)?;
+        let added = scene.add_mesh(&mesh, &positions);
+        let (cube, handle) = match added.and_then(|cube| Ok((cube, insert(&mut scene)?))) {
+            Ok(added) => added,
+            Err(error) => return Ok(Err(error)),
+        };
+        Ok(encoded(gpu, &mut scene, 0)?.map(|()| (scene, cube, handle)))
+    })?;
+    scene.remove_model(handle).map_err(text)?;
+    let casters = (0..30_000).map(|_| scene.insert(Caster::rigid(cube, IDENTITY)).map_err(text));
+    let casters = casters.collect::<Result<Vec<_>, _>>()?;
+    refused([refusal("many casters", encoded(gpu, &mut scene, 0)?, beyond(limit))])?;
+    casters.into_iter().try_for_each(|caster| scene.remove(caster)).map_err(text)?;
+    refused([refusal("in its stead", insert(&mut scene), Expected::Taken)])
 }
 
 fn too_many() -> Result<(), String> {

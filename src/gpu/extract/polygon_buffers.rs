@@ -183,15 +183,23 @@ pub(crate) fn faces_of_records(mesh: &Mesh) -> Option<Vec<[u32; 2]>> {
 mod tests {
     use super::*;
 
+    fn quads(count: usize) -> PolygonCounts {
+        let [small, pieces] = [count as u64, 8 * count as u64];
+        PolygonCounts { polygons: count, boundary_edges: 4 * count, small, large: 0, pieces }
+    }
+
+    /// 32,768 pieces of each of 32 lights, by eights, are more than the entries.
+    #[test]
+    fn rows_hold_the_groups_of_cuts() {
+        let shape = PolygonShape::new(&quads(4096), 32, None, 128 << 20);
+        for (max_compute_workgroups_per_dimension, are_enough) in [(362, false), (363, true)] {
+            let limits = wgpu::Limits { max_compute_workgroups_per_dimension, ..Default::default() };
+            assert_eq!(shape.check_workgroups(&DispatchLimits::new(&limits)).is_ok(), are_enough);
+        }
+    }
+
     #[test]
     fn all_pieces_that_there_can_be_have_room_up_to_the_share_of_a_light() {
-        let quads = |count: usize| PolygonCounts {
-            polygons: count,
-            boundary_edges: 4 * count,
-            small: count as u64,
-            large: 0,
-            pieces: 8 * count as u64,
-        };
         for (lights, most) in [(1, 131_072), (8, 16_384), (32, 4096), (1024, 4096)] {
             let room = |count| PolygonShape::new(&quads(count), lights, None, 128 << 20).pieces;
             // Each sixteenth edge adds a little.

@@ -32,9 +32,9 @@ impl Scene {
     /// submitted after a later one. Memory is kept for the most views of an encode so far.
     ///
     /// # Errors
-    /// [`ShadowError`] if a camera or its [`View::depth`] is refused, a caster's buffer was destroyed, the scene does not fit
-    /// the device or the memory limit, or the device is lost or not the timer's. Nothing is recorded then, and the next
-    /// encode is not affected.
+    /// [`ShadowError`] if a camera or its [`View::depth`] is refused, a buffer of a caster or a displacement was destroyed,
+    /// the scene does not fit the device or the memory limit, or the device is lost or not the timer's. Nothing is recorded
+    /// then, and the next encode is not affected.
     pub fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -203,8 +203,10 @@ impl Scene {
         self.set_room(Room { views: before.views.max(views), receiver_words: before.receiver_words.max(words) });
         let made = match self.prepare_in_room(views) {
             Err(ShadowError::Device(DeviceError::MemoryLimit { .. } | DeviceError::OutOfMemory { .. })) => {
-                // Reused buffers may be larger than needed.
+                // Reused buffers may be larger than needed, and the steps hold those of what was removed.
                 (self.structure, self.last, self.volumes) = (None, None, None);
+                self.steps.clear();
+                self.removed.clear();
                 self.prepare_in_room(views)
             }
             made => made,

@@ -47,7 +47,7 @@ impl Scene {
     ///
     /// # Errors
     /// [`ShadowError::Deform`] if the pose does not fit the model, the model does not fit the device, or the displacement's
-    /// resources are missing. The errors of [`Self::add_mesh`]. The scene is as before then.
+    /// resources are missing or refused. The errors of [`Self::add_mesh`]. The scene is as before then.
     pub fn insert_model<'a>(
         &mut self,
         model: &Model,
@@ -81,8 +81,8 @@ impl Scene {
     /// becomes mirrored or stops being so, its faces change, and the next encode makes a new layout.
     ///
     /// # Errors
-    /// [`ShadowError::Deform`] if the pose does not fit the model or the displacement's resources are missing, or an
-    /// error of the handle. The pose does not change then.
+    /// [`ShadowError::Deform`] if the pose does not fit the model or the displacement's resources are missing or refused,
+    /// or an error of the handle. The pose does not change then.
     pub fn set_pose<'a>(&mut self, model: ModelHandle, pose: impl Into<PoseInputs<'a>>) -> Result<(), ShadowError> {
         self.pose_model(model.key_in(self.id)?, pose.into())
     }

@@ -23,7 +23,8 @@ pub struct SceneOptions {
     /// about the root of its faces. Adding such a mesh takes another 1.5 times as long as
     /// [`Mesh::new`](crate::Mesh::new), less than a byte a face of device memory, and 4 bytes a face of host memory.
     pub clusters_from: Option<u32>,
-    /// The largest device memory for the scene, in bytes, checked before each allocation. Default: `None`, no limit.
+    /// The largest device memory for the scene, in bytes, checked before each allocation. Removed meshes and models count
+    /// until the next encode. Default: `None`, no limit.
     pub memory_limit: Option<u64>,
     /// Work that no picture needs, for measuring.
     #[doc(hidden)]
@@ -66,7 +67,7 @@ pub struct StencilCounts {
     /// not change. Default: 8.
     pub count_bits: u32,
     /// The number of batches in which casters are counted, one after the other, for
-    /// [`ShadowPipelines::in_batches`](crate::gpu::ShadowPipelines::in_batches). Default: 1, as is 0. A count wraps,
+    /// [`ShadowPipelines::in_batches`](crate::gpu::ShadowPipelines::in_batches). Default: 1; 0 means 1. A count wraps,
     /// and a shadow looks lit, if more than 2 to the power of b, less 1, casting faces lie behind each other, with b
     /// [`Self::count_bits`]; with several batches, more than 2 to the power of b − 1, less 1, of one batch.
     /// Each batch takes a draw of all lists and each but the first a full-screen draw.

@@ -58,7 +58,7 @@ pub(crate) struct Structure {
     pub(crate) shapes: wgpu::Buffer,
     /// For each group.
     pub(crate) topology: Vec<GroupTopology>,
-    /// The buffers that casters with positions of their own read, each once.
+    /// The buffers that casters with positions of their own read, each once, sorted.
     position_buffers: Vec<wgpu::Buffer>,
 }
 
@@ -163,7 +163,7 @@ impl Structure {
 
     /// Whether casters read positions from this buffer.
     pub(crate) fn binds(&self, positions: &wgpu::Buffer) -> bool {
-        self.position_buffers.contains(positions)
+        self.position_buffers.binary_search(positions).is_ok()
     }
 
     /// The first caster of a group. A group of polygons has no other.
