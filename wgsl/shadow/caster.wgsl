@@ -3,8 +3,8 @@
 // Positions of rigid casters are in mesh space, those of all other casters in world space. `caster_box`, `view_for_caster`
 // and `light_for_caster` are for the space of the caster's positions, so a stage must take all three from here.
 //
-// Expects, as far as functions are used: `shape`; `table`, the scene table; `boxes`, written by shadow/bounds.wgsl;
-// `positions`.
+// Expects: `shape`, `table`, the scene table, `boxes`, written by shadow/bounds.wgsl, and `positions`: each only where a
+// function that is used needs it.
 
 #import common/casters
 #import common/order_keys
