@@ -1,5 +1,5 @@
 // Casters of a scene (meshes that throw shadows), cones of lights, and functions on vectors, for all stages of scenes and of
-// shadow volumes. A page is a buffer with the topology of several meshes. A group is the casters of a page whose masks lie
+// shadow volumes. A page is the buffers with the topology of many meshes. A group is the casters of a page whose masks lie
 // together, because they read one buffer of positions. A slot is the index of a face or edge in these masks. src/layout.rs
 // has the same structs, and a test compares them, CHUNK and LANES, but not the flags. src/gpu/scene/table.rs writes the
 // casters in each encode (the recording of a frame). `may_be_in_cone` returns false only for a box without a point in the

@@ -4,8 +4,8 @@
 // surface.wgsl, for near caps, and for each cell if the list overflowed. Importers bind what samples.wgsl has, and
 // `object_texture`.
 // A mark depends only on the two samples of the edge, so both cells at an edge agree. A triangle with a marked edge is
-// always drawn: one that is missing would leave a gap in the boundary, one too many changes nothing. Integers decide
-// wherever float rounding might matter. docs/numerics/depth-maps.md, "Omitted triangles" and "Exact decisions".
+// always drawn: one that is missing would leave a gap in the boundary. One too many changes nothing if what it lies on is in
+// the eye's depth buffer. Integers decide. docs/numerics/depth-maps.md, "Omitted triangles" and "Exact decisions".
 
 #import depth_map/samples
 
@@ -200,7 +200,7 @@ fn load_cell_keys(first_sample: vec2<u32>) -> vec4<u32> {
     load_key(first_sample + vec2<u32>(1u, 1u)));
 }
 
-// The entry of any cell.
+// The entry of a cell, decided anew.
 fn entry_of_cell(cell: u32) -> u32 {
   return cell | cell_entry_bits(first_sample_of_cell(cell));
 }

@@ -1,10 +1,10 @@
 // Samples of a light's depth map as integer keys, and the lattice that holds them. All stages of this folder but
-// `mesh_depth` import it and bind `depth_map` and a depth texture.
+// `mesh_depth` import it. They bind `depth_map`, and `depth_texture` if they read depths.
 // A sample is the depth at the centre of a texel. Its key is an integer that grows with the distance from the light. It is
 // the bits of the depth or, with reversed depth, the bits of 1 less those. FAR_KEY: nothing casts there, because the depth
 // is at or beyond the far end, or NaN.
 // The lattice of a single map has a border of one far sample on each side: sample (1, 1) is texel (0, 0). A cube has six
-// maps of that size in one texture, three in a row, without borders: sample (0, 0) is texel (0, 0).
+// maps in one texture, three in a row, without borders: sample (0, 0) is texel (0, 0).
 // Keys come from bits, never from float arithmetic, so every device and the CPU have the same keys
 // (docs/numerics/depth-maps.md, "Exact decisions").
 
@@ -63,7 +63,7 @@ fn depth_bits_or_far(key: u32) -> u32 {
   return select(depth_bits(key), select(ONE, 0u, depth_map.is_reversed != 0u), key == FAR_KEY);
 }
 
-// The key of a sample. Outside of a single map it is FAR_KEY. Outside of a cube's texture the result has no meaning, and
+// The key of a sample. Outside of a single map it is FAR_KEY. Outside of a map of a cube the result has no meaning, and
 // callers drop it. Samples of the border load a texel too, so that there is one load without a branch.
 fn load_key(sample: vec2<u32>) -> u32 {
   let is_cube = depth_map.faces > 1u;
@@ -83,7 +83,7 @@ fn opaque(count: u32) -> u32 {
 // depth, and surface.wgsl gives them one vertex, so the boundary of the shadow closes across maps.
 // Maps 0 to 5 look along +x, -x, +y, -y, +z, -z. Centres of the outermost texels lie on the edges of the cube. Samples count
 // from (0, 0) in their map. Directions are integers, so comparisons are exact.
-// src/gpu/depth_map/meeting.rs makes the cameras: it must have the same axes.
+// AXES in src/gpu/depth_map/meeting.rs, which cameras are made from, must have the same axes.
 
 // The axes of a map: the direction of view, right and up.
 struct CubeFace {

@@ -1,10 +1,11 @@
 // Edges: computes the silhouette and winding masks of each edge record from the facing masks of its faces. A mask has a bit
-// for each light of a batch (up to 32). Silhouettes are records whose two faces differ, and boundaries. Dispatched after
-// `exact_facing` (after `facing` if signs need not be exact; after `polygon_masks` for polygons), an invocation a record.
-// Options select its results: masks, for `compact` and callers; entries appended to the lists of the lights, in no
-// particular order, for callers and shadow volumes; or both. SCENE: eight invocations share a chunk (64 slots) that `chunks`
-// listed, for lights with dirty lists, and it only appends. Slots are defined in interface/caster.wgsl. Facing bits must be
-// read, never computed again: only then do silhouettes close. Claim: docs/numerics/watertight.md.
+// for each light of a batch (up to 32). Silhouettes are boundaries, and records whose two faces have different bits (equal
+// bits if both traverse the edge the same way). Dispatched after `exact_facing` (after `facing` if signs need not be exact;
+// after `polygon_masks` for polygons), an invocation a record. Options select its results: masks, for `compact` and
+// callers; entries appended to the lists of the lights, in no particular order, for callers and shadow volumes; or both.
+// SCENE: eight invocations share a chunk (64 slots) that `chunks` listed, for lights with dirty lists, and it only appends.
+// Slots are defined in interface/caster.wgsl. Facing bits must be read, never computed again: only then do silhouettes
+// close. Claim: docs/numerics/watertight.md.
 
 #import common/extraction
 #import interface/caster

@@ -55,7 +55,7 @@ struct PointAndLight {
   on_face: u32,
 }
 
-// The pair of point and light with an index below `chunk.count * batch.count`.
+// The pair of point and light with this index, which must be below `chunk.count * batch.count`.
 fn point_and_light(index: u32) -> PointAndLight {
   let point = index / batch.count;
   let light = index % batch.count;
@@ -80,7 +80,7 @@ fn segment_of(pair: PointAndLight) -> Segment {
   return Segment(pair.p_bits, pair.light, p, largest, d, size, sizes, largest < LARGE, w_size, pair.on_face);
 }
 
-// The most that rounding adds in a box test, relative to the size of the terms, and the most that underflow adds.
+// Bounds of what rounding adds in a box test, relative to the size of the terms, and of what underflow adds.
 const MARGIN: f32 = 0x1p-18;
 const TINY: f32 = 0x1p-100;
 
@@ -95,8 +95,8 @@ fn misses_box(segment: Segment, low_bits: vec4<u32>, high_bits: vec4<u32>) -> bo
   }
   let low = bitcast<vec3<f32>>(low_bits.xyz);
   let high = bitcast<vec3<f32>>(high_bits.xyz);
-  // The box is before both ends along an axis, or beyond both. Rounding keeps the signs of `to_low` and `to_high`, but a
-  // device may flush one operand and not the other.
+  // The box is before both ends along an axis, or beyond both (w is not negative). Rounding keeps the signs of `to_low` and
+  // `to_high`, but a device may flush one operand and not the other.
   let light = batch.lights[segment.light];
   let to_low = low - segment.p;
   let to_high = high - segment.p;

@@ -1,12 +1,10 @@
-// Lookups of casters for the stages of shadow volumes, in the scene table, where a caster has eight vec4s
-// (`SceneCaster`). A group is the casters that are drawn together. A slot is the index of a face or edge in the group's
-// masks. A chunk is 64 slots of one caster. A page is the
-// buffers with the topology of many meshes.
-// Positions of rigid casters are in mesh space, those of all other casters in world space. Boxes, views and lights from
-// here are in the space of the caster's positions, so a stage must take all three from here.
+// Lookups of casters for the stages of shadow volumes and outlines, in the scene table, where a caster has eight vec4s
+// (`SceneCaster`). Groups, slots, chunks and pages are defined in common/casters.wgsl.
+// Positions of rigid casters are in mesh space, those of all other casters in world space. `caster_box`, `view_for_caster`
+// and `light_for_caster` are for the space of the caster's positions, so a stage must take all three from here.
 //
-// Expects: `shape`, and, as far as functions are used, `table`, the scene table; `boxes`, written by shadow/bounds.wgsl;
-// `positions`.
+// Expects: `shape`, `table`, the scene table, `boxes`, written by shadow/bounds.wgsl, and `positions`: each only where a
+// function that is used needs it.
 
 #import common/casters
 #import common/order_keys
@@ -15,10 +13,10 @@
 fn caster_part(caster: u32, part: u32) -> vec4<u32> { return table[8u * caster + part]; }
 fn caster_flags(caster: u32) -> u32 { return caster_part(caster, 4u).w; }
 
-// The faces of a caster. x: first slot. y: count. z: first face in the page. w: offset of vertex 0 in `positions`.
+// The faces of a caster. x: first slot. y: count. z: first face in the page. w: word of vertex 0 in `positions`.
 fn face_range(caster: u32) -> vec4<u32> { return caster_part(caster, 5u); }
 
-// The edge records of a caster. x: first slot. y: count. z: first record in the page. w: stride of vertices in `positions`.
+// The edge records of a caster. x: first slot. y: count. z: first record in the page. w: words from vertex to vertex.
 fn edge_range(caster: u32) -> vec4<u32> { return caster_part(caster, 6u); }
 
 // The caster that owns a slot. `chunks_offset` is the offset in the table, in vec4s, of the casters of all chunks.
@@ -29,7 +27,7 @@ fn caster_of_slot(chunks_offset: u32, slot: u32) -> u32 {
 
 fn first_caster_of_group(caster: u32) -> u32 { return caster_part(caster, 7u).z; }
 
-// The view with the placement of a caster's positions.
+// The view for the positions of a caster. Its placement is the caster's matrix plus the translation of `view.placement`.
 fn view_for_caster(caster: u32, view: ShadowView) -> ShadowView {
   let x = bitcast<vec4<f32>>(caster_part(caster, 0u));
   let y = bitcast<vec4<f32>>(caster_part(caster, 1u));
@@ -86,7 +84,7 @@ fn vertex_bits(caster: u32, vertex: u32) -> vec3<u32> {
 
 fn vertex_position(caster: u32, vertex: u32) -> vec3<f32> { return bitcast<vec3<f32>>(vertex_bits(caster, vertex)); }
 
-// A position of a caster in world space.
+// The position in world space of a position in the caster's space.
 fn to_world(caster: u32, position: vec3<f32>) -> vec3<f32> {
   if (!is_in_mesh_space(caster)) {
     return position;
@@ -99,7 +97,7 @@ fn to_world(caster: u32, position: vec3<f32>) -> vec3<f32> {
   return world;
 }
 
-// A box around a caster in world space. For a rigid caster it is the box around its transformed box.
+// The box of a caster in world space. For a rigid caster it is the box around its transformed box, with rounding errors.
 fn caster_world_box(caster: u32) -> CasterBox {
   var result = caster_box(caster);
   if (!is_in_mesh_space(caster)) {

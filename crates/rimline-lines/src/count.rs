@@ -47,8 +47,8 @@ pub(crate) fn count(
     pieces: &mut Vec<Piece>,
 ) {
     let is_perspective = world.view.is_perspective();
-    let is_long = part.ends != [0.0, 1.0];
-    let segment = Segment::new(world, line.vertices, is_long);
+    let is_cut_off = part.ends != [0.0, 1.0];
+    let segment = Segment::new(world, line.vertices, is_cut_off);
     scratch.changes.clear();
     scratch.toggles.clear();
     let reach = Reach::new(frame, part);

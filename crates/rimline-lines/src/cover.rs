@@ -3,17 +3,17 @@
 use crate::exact::{Height, PiercePositions, Plane, Value, edge_value, face_value};
 use crate::world::{Pierce, World};
 
-/// A triangle that the eye sees from a side.
+/// A triangle that the eye does not see edge-on.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Triangle {
     /// Vertices among those of all objects.
     pub(crate) corners: [u32; 3],
-    /// The polygon that it is of, or [`Self::ALONE`], and in the lowest bit whether the eye is in front.
+    /// From bit 1 on the polygon that it is part of, or [`Self::ALONE`]. Bit 0: the eye is in front of it.
     packed: u32,
 }
 
 impl Triangle {
-    /// Not of a polygon.
+    /// In place of a polygon, for a triangle that is part of none.
     pub(crate) const ALONE: u32 = u32::MAX >> 1;
 
     pub(crate) fn new(corners: [u32; 3], polygon: u32, is_front: bool) -> Self {
@@ -30,14 +30,14 @@ impl Triangle {
     }
 }
 
-/// A line, ready to be asked.
+/// A line, with what its tests against many triangles share.
 pub(crate) struct Segment<'a> {
     world: &'a World<'a>,
     ends: [End<'a>; 2],
-    /// Through the line and the eye, if its ends are vertices.
+    /// The plane through the line and the eye, if both ends are vertices.
     plane: Option<Plane>,
-    /// Whether 30 bits of a crossing are not enough.
-    is_long: bool,
+    /// Whether the page has only a part of the line. Crossings then need more than 30 bits.
+    is_cut_off: bool,
 }
 
 /// An end of a line.
@@ -66,7 +66,8 @@ impl<'a> End<'a> {
         }
     }
 
-    /// Whether it is on the edge between two vertices by what it is made of.
+    /// Whether it is on an edge by construction: as one of its vertices, or as the point where the edge pierces a face. The
+    /// lower vertex of `edge` is first.
     fn is_on_edge(&self, edge: [u32; 2]) -> bool {
         match self {
             Self::Vertex { vertex, .. } => edge.contains(vertex),
@@ -74,7 +75,8 @@ impl<'a> End<'a> {
         }
     }
 
-    /// Whether it is in the plane of a face by what it is made of.
+    /// Whether it is in the plane of a face by construction: as a vertex of the face, as the point where an edge pierces it,
+    /// or on one of its edges.
     fn is_in_face(&self, corners: [u32; 3]) -> bool {
         match self {
             Self::Vertex { vertex, .. } => corners.contains(vertex),
@@ -86,7 +88,7 @@ impl<'a> End<'a> {
 }
 
 impl<'a> Segment<'a> {
-    pub(crate) fn new(world: &'a World<'a>, vertices: [u32; 2], is_long: bool) -> Self {
+    pub(crate) fn new(world: &'a World<'a>, vertices: [u32; 2], is_cut_off: bool) -> Self {
         let ends = vertices.map(|vertex| End::new(world, vertex));
         let plane = match &ends {
             [End::Vertex { position: a, .. }, End::Vertex { position: b, .. }] => {
@@ -94,11 +96,11 @@ impl<'a> Segment<'a> {
             }
             _ => None,
         };
-        Self { world, ends, plane, is_long }
+        Self { world, ends, plane, is_cut_off }
     }
 
-    /// The part of the line, from 0 to 1, whose points have the triangle strictly between them and the moved eye. `None` if there is
-    /// no such part, or `f64` cannot tell its ends apart.
+    /// The part of the line, from 0 to 1, whose points have the triangle strictly between them and the eye, moved by an
+    /// infinitely small step as [`Value`] says. `None` if there is no such part, or `f64` cannot tell its ends apart.
     pub(crate) fn part_behind(&self, triangle: Triangle) -> Option<[f64; 2]> {
         if self.ends.iter().all(|end| end.is_in_face(triangle.corners)) {
             return None;
@@ -161,7 +163,7 @@ impl<'a> Segment<'a> {
             return None;
         }
         if signs[0].min(signs[1]) < 0 {
-            if self.is_long || heights.iter().any(|height| height.accurate().is_none()) {
+            if self.is_cut_off || heights.iter().any(|height| height.accurate().is_none()) {
                 values = [exact(&self.ends[0]), exact(&self.ends[1])];
             }
             let at = values[0].crossing(values[1]);

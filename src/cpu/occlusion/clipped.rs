@@ -1,12 +1,13 @@
-//! The part of a face that is in a leaf, or a little more: docs/numerics/occluded-faces.md.
+//! The part of a face that is in a leaf of `tree.rs`, or a little more: docs/numerics/occluded-faces.md.
 
 use super::plane::Plane;
 
-/// The most corners. With more of them a part is not cut further.
+/// The most corners. A cut that needs more is not made.
 const MOST: usize = 10;
 /// The most cuts, each of which adds rounding.
 const CUTS: u8 = 64;
-/// The largest error of a corner, relative to the face's largest coordinate. A cut adds three roundings.
+/// The most that a corner is off the face along an axis, relative to the face's largest coordinate. A cut adds three
+/// roundings.
 const SLACK: f64 = 4.0 * CUTS as f64 * f64::EPSILON;
 
 /// A convex polygon that contains a part of a face.
@@ -15,7 +16,7 @@ pub(crate) struct Clipped {
     corners: [[f64; 3]; MOST],
     count: u8,
     cuts: u8,
-    /// How far the corners may be from where they ought to be, along each axis.
+    /// Each corner is at most so far from a point of the face, along each axis.
     off: f64,
 }
 
@@ -34,7 +35,7 @@ impl Clipped {
         self.corners.get(..usize::from(self.count)).unwrap_or_default()
     }
 
-    /// Whether all of it is on one side of the plane, and not on it, for certain.
+    /// Whether all of it is certainly on `side` (1 or −1) of the plane, and not on the plane.
     pub(crate) fn is_on(&self, plane: &Plane, side: i32) -> bool {
         self.corners().iter().all(|&corner| {
             let (value, error) = plane.value(corner, self.off);
@@ -42,9 +43,9 @@ impl Clipped {
         })
     }
 
-    /// The part that may be on this side of the plane, the plane itself included. `None` if there is none.
+    /// The part that may be on `side` (1 or −1) of the plane, or on the plane. `None` if there is none.
     pub(crate) fn cut(&self, plane: &Plane, side: i32) -> Option<Self> {
-        // The largest that each may be: below zero, a corner is on the other side for certain.
+        // The largest possible heights on `side`: a corner below zero is certainly on the other side.
         let mut heights = [0.0; MOST];
         for (height, &corner) in heights.iter_mut().zip(self.corners()) {
             let (value, error) = plane.value(corner, self.off);
@@ -55,7 +56,7 @@ impl Clipped {
         if kept == 0 {
             return None;
         }
-        if kept == count || self.cuts == CUTS || kept + 2 > MOST {
+        if kept == count || self.cuts == CUTS {
             return Some(*self);
         }
         let mut cut = Self { count: 0, cuts: self.cuts + 1, ..*self };
@@ -75,13 +76,30 @@ impl Clipped {
                 cut.push(std::array::from_fn(|axis| from[axis] + part * (to[axis] - from[axis])));
             }
         }
-        Some(cut)
+        Some(if usize::from(cut.count) > MOST { *self } else { cut })
     }
 
+    /// Adds a corner. Without room only the count grows.
     fn push(&mut self, corner: [f64; 3]) {
         if let Some(next) = self.corners.get_mut(usize::from(self.count)) {
             *next = corner;
-            self.count += 1;
         }
+        self.count += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By rounding, a sliver may cross a plane more than twice.
+    #[test]
+    fn a_cut_that_has_no_room_for_all_corners_is_not_made() {
+        let plane = Plane::of_face([[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+        let mut part = Clipped { count: 0, ..Clipped::whole([[0.0; 3]; 3]) };
+        for corner in 0..9 {
+            part.push([f64::from(corner), 0.0, if corner % 3 == 2 { -1.0 } else { 1.0 }]);
+        }
+        assert_eq!(part.cut(&plane, 1).map(|cut| cut.corners().to_vec()), Some(part.corners().to_vec()));
     }
 }

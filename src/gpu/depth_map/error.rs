@@ -9,7 +9,7 @@ use crate::shadow::{CameraError, DepthDirection};
 
 /// Why a depth map, its volumes or its pipelines cannot be made, recorded or drawn.
 ///
-/// `map` names a texture: the map, its objects, the map of a cube or of a merge.
+/// `map` names a texture: the map, its objects, one map of a cube or of a merge, or the objects of a cube's map.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs, reason = "the messages say what fields are")]
@@ -18,7 +18,8 @@ pub enum DepthMapError {
     /// mesh cannot be read.
     #[error(transparent)]
     Device(#[from] DeviceError),
-    /// The device cannot draw into the attachments, or a handle is of another scene or was removed.
+    /// The attachments or their counting bits are refused, or the device refuses pipelines for them. Or a handle is of another
+    /// scene or was removed.
     #[error(transparent)]
     Shadow(ShadowError),
     /// The camera of the eye is refused.
@@ -37,13 +38,13 @@ pub enum DepthMapError {
     #[error("{what} has {given:?} depth, and {made:?} is needed; give both the same `DepthDirection`")]
     Depth { what: &'static str, given: DepthDirection, made: DepthDirection },
 
-    /// There are no such bits in the stencil.
+    /// The range of bits is empty, or the stencil has no such bits.
     #[error(
         "the stencil has bits 0 to 7, and `bits` are from {} to {} without the latter; take at least one of them",
         .0.start, .0.end
     )]
     Bits(Range<u32>),
-    /// Volumes of meshes count in the bit.
+    /// The bit is one of those in which volumes of meshes count.
     #[error(
         "bit {bit} of the stencil is one of the {count_bits} bits of counts (`ShadowFormat::count_bits`); take a higher bit \
          for parity, or fewer bits of counts, in the format of all pipelines and in `SceneOptions::stencil`"
@@ -91,7 +92,7 @@ pub enum DepthMapError {
     /// The position of the light of a cube is not finite.
     #[error("the light is at {0:?}; take finite coordinates")]
     Position([f32; 3]),
-    /// The far plane is not behind the near plane.
+    /// The far distance is not above the near distance, or not finite.
     #[error("`far` is {far} and `near` {near}; take a finite distance above `near`, or `None` for no far plane")]
     Far { near: f32, far: f32 },
     /// A camera of a cube is refused.
@@ -107,7 +108,7 @@ pub enum DepthMapError {
     )]
     Apart { face: usize, what: &'static str },
 
-    /// A texture has another size than its user was made for.
+    /// A texture does not have the size that was given to `new`.
     #[error(
         "{map} has {} × {} texels, and {} × {} are needed; give textures of the size that was given to `new`, \
          or call `new` again",
@@ -132,13 +133,14 @@ pub enum DepthMapError {
     /// The map is the result that is written.
     #[error("a map is the result of the same merge or conversion; give it to another one")]
     MapIsResult,
-    /// Some depths of the map lie beyond infinity.
+    /// The far plane of a map's camera is, at a corner of the map, at infinity or behind it.
     #[error(
         "rounding put the far plane of the map's camera behind infinity; use a projection without a far plane, or a larger near \
          distance"
     )]
     FarPlane,
-    /// The planes of the camera are out of the range for which distances are converted. They are in the metric.
+    /// The camera is out of the range for which distances are converted. `near` and `far` are distances along its axis. Those
+    /// of an orthographic camera are in the metric, from the near plane.
     #[error(
         "distances are not converted for a camera with its near plane at {near} and its far plane at {far}, or as wide or as \
          far aside; the planes are from 2⁻¹⁰⁰ to 2¹⁰⁰ units away and not within a thousandth of each other, and rays at most 1000 \

@@ -1,4 +1,4 @@
-//! The buffers of a scene beside its pages. A new layout reuses them if they are large enough.
+//! The buffers of a scene with masks, lists, the cache and work lists. A new layout reuses those that fit.
 
 use super::layout::Group;
 use super::options::SceneOptions;
@@ -11,8 +11,8 @@ use crate::gpu::extract::polygon_buffers::{HEAD_WORDS, PolygonShape};
 use crate::layout::{DrawArguments, LightBatch, SceneStatistics};
 use crate::method::Predicate;
 
-/// Bytes before the entries of lists: a count for each of 32 lights, and as much again, since bindings begin at multiples of
-/// 256.
+/// Bytes before the entries of lists: a count for each of 32 lights, the word `CACHED_ZEROS` (`wgsl/common/casters.wgsl`),
+/// and padding, because bindings begin at multiples of 256.
 pub(crate) const LISTS_HEAD: u64 = 256;
 
 /// The buffers of a group of casters for a batch of lights.
@@ -45,7 +45,7 @@ pub(crate) struct PolygonBuffers<B = wgpu::Buffer> {
     pub(crate) pieces: B,
 }
 
-/// The bytes of each buffer of a group, and the capacities that follow.
+/// The bytes of the buffers of a group and batch, and the capacities of their lists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct GroupSizes {
     pub(crate) masks: u64,
@@ -101,7 +101,7 @@ impl GroupSizes {
 /// The buffers of all groups and batches, and the shared ones.
 #[derive(Clone, Debug)]
 pub(crate) struct Buffers<B = wgpu::Buffer> {
-    /// For each group one for each batch.
+    /// One for each group and batch, batch after batch in each group.
     pub(crate) groups: Vec<GroupBuffers<B>>,
     pub(crate) batches: usize,
     /// The relevant lights of each batch and caster.
@@ -111,18 +111,18 @@ pub(crate) struct Buffers<B = wgpu::Buffer> {
     /// The versions that masks and lists were computed from, see `wgsl/scene/table.wgsl`. A new buffer comes with new masks
     /// and lists.
     pub(crate) cache: B,
-    /// For each group and batch four words, then the lists of chunks.
+    /// For each group and batch [`WORK_WORDS`] words, then the lists of chunks, then a state for each deforming caster.
     pub(crate) work: B,
     /// [`SceneStatistics`].
     pub(crate) statistics: B,
-    /// The size of all in bytes.
+    /// The size of all these buffers in bytes.
     pub(crate) bytes: u64,
 }
 
 /// The counts that decide the sizes of buffers.
 #[derive(Default)]
 pub(crate) struct Sizes {
-    /// For each group one for each batch.
+    /// One for each group and batch, batch after batch in each group.
     pub(crate) groups: Vec<GroupSizes>,
     pub(crate) batches: usize,
     /// Pairs of batch and caster.
@@ -242,6 +242,6 @@ impl<B> Buffers<B> {
 /// lists, and the lights with cached bits.
 pub(crate) const WORK_WORDS: u64 = 4;
 
-/// Words of the cache for each chunk of faces and batch: the lights for which all faces of its cluster have one bit, and
-/// these bits.
+/// Words of the cache for each chunk of faces and batch: the lights for which all faces of its cluster have the same bit,
+/// and these bits.
 pub(crate) const CLUSTER_WORDS: u32 = 2;

@@ -3,7 +3,7 @@
 use crate::random::Random;
 use crate::shapes::{self, Shape, turn};
 
-/// Subdivisions of a sphere that give about as many faces.
+/// Subdivisions with which a sphere has about `faces` faces.
 fn subdivisions(faces: usize) -> u32 {
     root(faces, 8)
 }
@@ -42,14 +42,14 @@ pub(crate) fn rough_plate(faces: usize, amplitude: f32) -> Shape {
     shape
 }
 
-/// A body `aspect` times as long as it is thick, whose faces are as thin as it is: a sphere drawn out along X, and
-/// tilted, so that rounding moves vertices by as much as the thinnest are thick.
+/// A sphere squeezed in Y and Z, then tilted. The body and most of its faces are about `aspect` times as long as thick, so for
+/// the largest aspects rounding moves vertices by more than the thickness.
 pub(crate) fn needle(faces: usize, aspect: f32) -> Shape {
     stretched(sphere(faces), [1.0, 1.0 / aspect, 1.0 / aspect]).placed(|[x, y, z]| [x, y + 0.7 * x, z - 0.4 * x])
 }
 
-/// A lumpy body whose faces are split in three by a point at the middle of a side, off it by `1/aspect` of the height:
-/// one of the three is a sliver, up to rounding.
+/// A lumpy body whose faces are split in three by a point over the middle of an edge, at `1/aspect` of the face's height.
+/// The triangle at this edge is a sliver; rounding may turn it over.
 pub(crate) fn slivers(faces: usize, aspect: f32) -> Shape {
     let mut shape = blob(faces / 3);
     let whole = std::mem::take(&mut shape.faces);
@@ -66,18 +66,19 @@ pub(crate) fn slivers(faces: usize, aspect: f32) -> Shape {
     shape
 }
 
-/// A flat square of side 2, tilted: no face is along an axis, and the plane's points are rounded.
+/// A flat parallelogram: [`tilt`] of a square of side 2. No edge is along an axis, and the points of the plane are rounded.
 pub(crate) fn tilted_plate(faces: usize) -> Shape {
     let side = root(faces, 2);
     shapes::plane_grid(side, side).placed(tilt)
 }
 
+/// A point of the plane of [`tilted_plate`], rounded.
 pub(crate) fn tilt([x, _, z]: [f32; 3]) -> [f32; 3] {
     [x + 0.1 * z, 0.3 * x - 0.7 * z, z - 0.2 * x]
 }
 
-/// An uneven plate on a lattice of 22 bits, tilted by small whole numbers: every point is on the plane exactly, and
-/// determinants need more bits than f64 has.
+/// A flat plate with cells of unequal size, of [`on_lattice_plane`]: every point is on the plane exactly, and determinants
+/// need more bits than f64 has.
 pub(crate) fn lattice_plate(faces: usize) -> Shape {
     let mut random = Random::new(13);
     let side = root(faces, 2);
@@ -91,25 +92,26 @@ pub(crate) fn lattice_plate(faces: usize) -> Shape {
     plate
 }
 
+/// The coordinates of the lattice plate are whole numbers over this.
 pub(crate) const LATTICE: f32 = 2_097_152.0;
 
-/// A point of the lattice plate for two whole numbers up to [`LATTICE`] either way: nothing is rounded.
+/// A point of the lattice plate's plane. Nothing is rounded if both are whole numbers from −[`LATTICE`] to [`LATTICE`].
 pub(crate) fn on_lattice_plane(a: f32, b: f32) -> [f32; 3] {
     [a + 2.0 * b, 3.0 * a - b, b - 2.0 * a].map(|c| c / LATTICE)
 }
 
-/// The power of two between `1/n` and `2/n`.
+/// The least power of two that is at least `1/n`.
 fn lattice_step(n: u32) -> f32 {
     1.0 / (1_u32 << n.max(1).ilog2()) as f32
 }
 
-/// A tilt by small numbers, which rounds nothing on a lattice.
+/// A linear map by small multiples of 1/4, which rounds nothing on a lattice.
 fn tilt_on_lattice([x, y, z]: [f32; 3]) -> [f32; 3] {
     [x + 0.5 * y - 0.25 * z, y + 0.75 * z - 0.5 * x, z + 0.25 * x - y]
 }
 
-/// A tilted cube on a lattice, `n` squares a side, its lowest corner `shift` sides along X: each side is on a plane
-/// exactly. Its six sides share no vertices; welding joins them.
+/// A cube on a lattice, moved by `shift` of its edges along X, then sheared: each of its six sides is on a plane exactly.
+/// Sides share no vertices; welding joins them.
 pub(crate) fn lattice_box(faces: usize, shift: i32) -> Shape {
     let n = root(faces, 12);
     let step = lattice_step(n);
@@ -139,13 +141,13 @@ pub(crate) fn lattice_box(faces: usize, shift: i32) -> Shape {
     shape
 }
 
-/// Two such cubes that have a side in common, each with faces of its own there.
+/// Two boxes of [`lattice_box`] that have a side in common, each with faces of its own there.
 pub(crate) fn touching_boxes(faces: usize) -> Shape {
     Shape::joined([&lattice_box(faces / 2, 0), &lattice_box(faces / 2, 1)])
 }
 
-/// A capsule along Y, bent at its middle by so many degrees as skinning by blended matrices does it: the inner side
-/// folds over itself.
+/// A capsule along Y, bent at its middle by `degrees`, like skinning by blended matrices: the inner side may fold over
+/// itself.
 pub(crate) fn bent_limb(faces: usize, degrees: u32) -> Shape {
     let segments = root(faces, 4).max(3);
     let rings = 2 * segments;
@@ -187,7 +189,7 @@ fn capsule(ring: u32, rings: u32) -> (f32, f32) {
     }
 }
 
-/// Above the joint at the origin everything turns about Z, below nothing, and within half a unit matrices are blended.
+/// Turns about Z what is above y = 0.5, keeps what is below y = −0.5, and blends the matrices between.
 fn bend([x, y, z]: [f32; 3], sin: f32, cos: f32) -> [f32; 3] {
     let along = (y + 0.5).clamp(0.0, 1.0);
     let weight = along * along * (3.0 - 2.0 * along);
@@ -195,8 +197,8 @@ fn bend([x, y, z]: [f32; 3], sin: f32, cos: f32) -> [f32; 3] {
     [x + weight * (turned[0] - x), y + weight * (turned[1] - y), z]
 }
 
-/// A torus, and among its faces such as name a vertex twice, have their corners on a line or at one place, and lie
-/// on another, the same way round or turned over.
+/// A torus with further faces, which name a vertex twice, have their corners on a line or at one position, or lie on a face
+/// of the torus with the same or the opposite orientation.
 pub(crate) fn with_degenerate_faces(faces: usize) -> Shape {
     let segments = root(faces * 5 / 6, 4).max(3);
     let mut shape = shapes::torus(2 * segments, segments, 1.0, 0.4);
@@ -207,12 +209,12 @@ pub(crate) fn with_degenerate_faces(faces: usize) -> Shape {
             0 => shape.faces.push([a, b, c]),
             1 => shape.faces.push([c, b, a]),
             2 => shape.faces.push([a, b, b]),
-            // On a line through the origin: the doubles are exact.
+            // On a line through the origin: doubling rounds nothing.
             3 => {
                 shape.positions.extend([p.map(|c| 2.0 * c), p.map(|c| 4.0 * c)]);
                 shape.faces.push([a, v, v + 1]);
             }
-            // Three vertices of one place, which welding makes one.
+            // Three vertices at one position, which welding makes one.
             _ => {
                 shape.positions.extend([p; 2]);
                 shape.faces.push([a, v, v + 1]);
