@@ -37,7 +37,7 @@ pub(crate) const CPU_FAST: &str = "cpu-f32-all";
 pub(crate) const CPU_EXACT: &str = "cpu-exact-all";
 
 /// All methods, in the order in which they are shown: the name in the data, the name for people, where and how it runs, and
-/// colour and shape of its mark. On the CPU they are those of the GPU's face masks with the same arithmetic, if there is one.
+/// colour and shape of its mark. CPU references have the marks of the GPU's face masks with the same arithmetic.
 const CONTESTANTS: [(&str, &str, Runs, usize, usize); 13] = [
     (PER_EDGE, "GPU per edge, f32 plane form (2003)", OnGpu(Method::PerEdge, Predicate::Plane), 0, 2),
     ("gpu-per-edge-local", "GPU per edge, f32 local form", OnGpu(Method::PerEdge, Predicate::Fast), 1, 4),
@@ -167,4 +167,20 @@ fn extraction(gpu: &Gpu, case: &Case<'_>, method: Method, predicate: Predicate) 
     let statistics = cpu::FacingStatistics { undecided_pairs, ..cpu::FacingStatistics::default() };
     gpu.check()?;
     Ok(cpu::Extraction { facing, masks, statistics, ..Default::default() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn references_have_the_marks_of_face_masks() {
+        let all = CONTESTANTS;
+        for (id, _, runs, colour, shape) in all {
+            let OnCpu(Reference(predicate), _) = runs else { continue };
+            let is_same = |runs: Runs| matches!(runs, OnGpu(Method::FaceMask, of) if of == predicate);
+            let on_gpu = all.iter().find(|method| is_same(method.2));
+            assert_eq!(on_gpu.map(|method| (method.3, method.4)), Some((colour, shape)), "{id}");
+        }
+    }
 }

@@ -133,8 +133,8 @@ fn position(face: u32, corner: u32) -> vec3<f32> {
 }
 
 // A bound on the rounding error of a product of lengths, as a share of it. In units of 2^-23 a position relative to the eye is
-// off by 2, the point by 5 (its length is at most the square root of 3), a normal by 6 of the product of its sides, the last
-// product by 3.
+// off by 2, the point by 5 (its length is at most the square root of 3) unless its edge is many times longer, a normal by 6 of
+// the product of its sides, the last product by 3.
 const ERROR = 12.0 / 8388608.0;
 
 // Whether the ray to `p` certainly passes an edge on its inner side. It does not for faces seen edge-on, as many are at a
