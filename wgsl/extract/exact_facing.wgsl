@@ -37,7 +37,7 @@ struct Signs {
   excluded: u32,
 }
 
-// Decides the lights whose f32 determinant exceeds its bound.
+// Decides the lights for which the absolute f32 determinant exceeds its bound.
 fn filter_lights(face: Face) -> Decision {
   let largest = largest_magnitude(face.a, face.b, face.c);
   var decision = Decision(0u, active_indices());
@@ -48,7 +48,7 @@ fn filter_lights(face: Face) -> Decision {
   let u = bitcast<vec3<f32>>(face.b) - a;
   let v = bitcast<vec3<f32>>(face.c) - a;
   let n = cross_product(u, v);
-  // The normal with absolute values of all products.
+  // The sum of the absolute products of each component of the normal.
   let n_abs = vec3<f32>(
     abs(u.y) * abs(v.z) + abs(u.z) * abs(v.y),
     abs(u.z) * abs(v.x) + abs(u.x) * abs(v.z),
@@ -61,7 +61,7 @@ fn filter_lights(face: Face) -> Decision {
     let l = scaled_light(light_index);
     let to_light = l.xyz - l.w * a;
     let d = local_form(n, a, l);
-    // The error of w a matters only if w is not a power of two, or is tiny.
+    // The product w a rounds only if w is not a power of two. A tiny w counts as such, because w a may underflow.
     let sizes = abs(to_light) + inexact_w(light_index) * abs(a);
     let bound = RELATIVE * (n_abs.x * sizes.x + n_abs.y * sizes.y + n_abs.z * sizes.z) +
       underflow * (1.0 + sizes.x + sizes.y + sizes.z);
@@ -73,8 +73,8 @@ fn filter_lights(face: Face) -> Decision {
   return decision;
 }
 
-// Decides lights by integers. There are two loops, because some GPUs execute a branch once for each iteration of the loop
-// around it, even if no face takes it.
+// Decides lights by integers. There are two loops, because some GPUs run the code of a branch in each iteration of the loop
+// around it, even if no face takes the branch.
 fn decide_exactly(undecided: u32, face: Face) -> Signs {
   let fixed = fixed_face(face.a, face.b, face.c);
   var signs = Signs(0u, 0u);
@@ -101,7 +101,8 @@ fn decide_exactly(undecided: u32, face: Face) -> Signs {
   return signs;
 }
 
-// The bits of one face. A face that names a vertex twice faces no light and is excluded for none: it has no edge records.
+// The bits of one face. A finite face that names a vertex twice faces no light and is excluded for none: it has no edge
+// records.
 fn decide_face(index: u32) -> Signs {
   var face: Face;
   face.corners = vec3<u32>(faces[3u * index], faces[3u * index + 1u], faces[3u * index + 2u]);
@@ -126,7 +127,7 @@ fn decide_face(index: u32) -> Signs {
 }
 
 // Few invocations process many faces each, because nearly no face is undecided. The dispatch is so large that no invocation
-// has more than EXACT_ITEMS (src/turns.rs), even if all faces are undecided.
+// has more than EXACT_ITEMS, in a scene `scene_exact_items` (src/turns.rs), even if all faces are undecided.
 @compute @workgroup_size(64)
 fn exact_facing(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
   // If the list overflowed, all faces are decided. `decide_face` has one call, because each call is compiled separately.
@@ -144,7 +145,7 @@ fn exact_facing(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workg
       let signs = decide_face(item.index);
       facing_masks[slot] = updated_bits(facing_masks[slot], signs.facing);
       if (slot < arrayLength(&excluded_masks)) {
-        // In a scene the face may also be excluded by the caller, or for other lights by an earlier frame.
+        // In a scene other bits may be set: by the caller, and by an earlier frame for lights that are cached.
         excluded_masks[slot] |= signs.excluded;
       }
     }

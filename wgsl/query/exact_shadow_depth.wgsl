@@ -127,11 +127,11 @@ fn exact_shadow_depth(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     var change = 1;
     if (POLYGONS) {
-      change = select(1, -1, ((state >> (ODD_FACES + index)) & 1u) != 0u);
+      change = select(1, -1, ((state >> (FIRST_ODD_BIT + index)) & 1u) != 0u);
       // The parity changes for the polygon's other stored faces, and for its part in the next range.
       let polygon = polygon_of(face);
-      state ^= select(0u, 2u << ODD_FACES, polygon_of(face_1) == polygon) |
-        select(0u, 4u << ODD_FACES, polygon_of(face_2) == polygon) |
+      state ^= select(0u, 2u << FIRST_ODD_BIT, polygon_of(face_1) == polygon) |
+        select(0u, 4u << FIRST_ODD_BIT, polygon_of(face_2) == polygon) |
         select(0u, ODD_AT_END, polygon_of(CLUSTER * range.end - 1u) == polygon);
     }
     atomicAdd(&depths[point_light.count_index], change);

@@ -162,7 +162,7 @@ fn shadow_depth(@builtin(global_invocation_id) id: vec3<u32>) {
       // Only the polygon of the last face may continue after the range.
       enter_polygon(CLUSTER * range.end - 1u);
       let bits = select(vec3<u32>(0u), vec3<u32>(1u, 2u, 4u), is_undecided_odd);
-      state |= ((bits.x | bits.y | bits.z) << ODD_FACES) | select(0u, ODD_AT_END, is_current_odd);
+      state |= ((bits.x | bits.y | bits.z) << FIRST_ODD_BIT) | select(0u, ODD_AT_END, is_current_odd);
     }
     if (range.is_first == 0u) {
       counted += atomicLoad(&depths[point_light.count_index]);

@@ -10,17 +10,18 @@
 
 // The most undecided faces that are stored for a pair of point and light.
 const MOST_UNDECIDED: u32 = 3u;
-// Parts of `UndecidedFaces.state`: the mask of the count, the first of three bits, the mask of the last bit.
+// Parts of `UndecidedFaces.state`: the mask of the count, the index of the first of three bits, the mask of the last bit.
 const COUNT_MASK: u32 = 7u;
-const ODD_FACES: u32 = 3u;
+const FIRST_ODD_BIT: u32 = 3u;
 const ODD_AT_END: u32 = 64u;
 
-// The most that det[u, v, t] in f32 is off. `uv`: the product of `sum_of_sizes` of u and v. `t`: the largest component of t.
+// A bound on the error of det[u, v, t] in f32. `uv`: the product of `sum_of_sizes` of u and v. `t`: the largest absolute
+// component of t. `underflow`: `underflow_bound` of the coordinates.
 fn determinant_bound(uv: f32, t: f32, underflow: f32) -> f32 {
   return (RELATIVE * t) * uv + underflow * (1.0 + 3.0 * t);
 }
 
-// The sign of a value that may be off by `bound`, or 0 if it is not certain.
+// The sign of a value with an error of up to `bound`, or 0 if the sign is not certain.
 fn certain_sign(d: f32, bound: f32) -> i32 {
   return select(0, 1, d > bound) - select(0, 1, d < -bound);
 }
@@ -54,8 +55,8 @@ fn is_on_face(segment: Segment, index: u32) -> bool {
   return NAMES_FACES && clusters[index / CLUSTER].first_face + index % CLUSTER == segment.on_face;
 }
 
-// Whether a polygon of the mesh has several triangles. The triangles that lie between count 1 and -1 alternately, so that
-// the polygon counts once if their number is odd.
+// Whether any polygon of the mesh has several triangles. Those of a polygon that lie between count 1 and -1 alternately, so
+// that the polygon counts once if their number is odd.
 override POLYGONS: bool = false;
 
 // The face index of the first triangle of a face's polygon. It has no loop: a polygon may have any number of triangles.
@@ -69,9 +70,9 @@ fn polygon_of(index: u32) -> u32 {
   return CLUSTER * cluster + firstLeadingBit(begins);
 }
 
-// The mask, in `UndecidedFaces.face_0`, of the polygon that begins at `polygon` and continues after its group. At most one
-// polygon that begins in a group does. `first` is the first cluster of the range. Bit 0 is for a polygon that begins before
-// it.
+// The mask, in `UndecidedFaces.face_0`, of the polygon that begins at `polygon` and continues after its group. Only the last
+// polygon that begins in a group can do so. `first` is the first cluster of the range. Bit 0 is for a polygon that begins
+// before the range.
 fn polygon_bit(polygon: u32, first: u32) -> u32 {
   let begin = CLUSTER * first;
   return select(1u, 2u << ((max(polygon, begin) - begin) / (CLUSTER * CLUSTER)), polygon >= begin);
@@ -81,7 +82,7 @@ const NOT_BETWEEN: u32 = 0u;
 const BETWEEN: u32 = 1u;
 const UNDECIDED: u32 = 2u;
 
-// For each edge the f32 determinant whose sign is the side on which the line to the light passes the edge.
+// For each edge the f32 determinant whose sign tells on which side of the edge the line to the light passes.
 fn edge_determinants(segment: Segment, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> {
   let at_a = cross_product(segment.p - a, segment.d);
   let at_b = cross_product(segment.p - b, segment.d);
@@ -96,7 +97,7 @@ fn edge_determinants(segment: Segment, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>)
   );
 }
 
-// Decides a face if the determinants exceed their bounds.
+// Decides a face, or returns UNDECIDED if too few determinants exceed their bounds.
 fn decide_by_bounds(segment: Segment, face: Face, largest: u32) -> u32 {
   let a = bitcast<vec3<f32>>(face.a);
   let b = bitcast<vec3<f32>>(face.b);
@@ -138,9 +139,10 @@ fn decide_by_bounds(segment: Segment, face: Face, largest: u32) -> u32 {
 // The bits of 1.0.
 const ONE: u32 = 0x3f800000u;
 
-// Whether the point or the light is in the plane of the face, found without arithmetic. Found are points at a corner, and
-// points and lights that have one coordinate in common with all corners.
-fn is_coplanar(segment: Segment, face: Face) -> bool {
+// Whether the bits alone show that the point or the light is in the plane of the face. They do for a point at a corner, for
+// a point or light at w = 1 with one coordinate in common with all corners, and for a light at infinity that is 0 along an
+// axis on which all corners agree. If it returns false, either may still be in the plane.
+fn is_plainly_coplanar(segment: Segment, face: Face) -> bool {
   if (all(segment.p_bits == face.a) || all(segment.p_bits == face.b) || all(segment.p_bits == face.c)) {
     return true;
   }
@@ -152,7 +154,7 @@ fn is_coplanar(segment: Segment, face: Face) -> bool {
   return any(is_flat & ((segment.p_bits == face.a) | is_light_level));
 }
 
-// Decides a face, or returns UNDECIDED if error bounds do not allow it.
+// Decides a face, or returns UNDECIDED if exact arithmetic is needed.
 fn decide_face(segment: Segment, face: Face) -> u32 {
   let largest = largest_magnitude(face.a, face.b, face.c);
   let is_degenerate =
@@ -164,7 +166,7 @@ fn decide_face(segment: Segment, face: Face) -> u32 {
   if (segment.is_certain && largest < LARGE) {
     decision = decide_by_bounds(segment, face, max(largest, segment.largest));
   }
-  if (decision == UNDECIDED && is_coplanar(segment, face)) {
+  if (decision == UNDECIDED && is_plainly_coplanar(segment, face)) {
     return NOT_BETWEEN;
   }
   return decision;

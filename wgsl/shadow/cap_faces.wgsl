@@ -1,10 +1,11 @@
 // Vertex shaders of caps, the faces that close shadow volumes, in the caller's render pass. The indirect draws of
 // `shadow_arguments` have an instance for each entry of a list of `caps`. If the list overflowed, each face slot of the
-// group has an instance, and the shader decides whether it is drawn.
-// * `light_cap`, `dark_cap`: a face, and the same face at the far end of the volume. z-fail draws both. z-pass draws dark
-//   caps of volumes that end. Volumes that ZP+ counts do not end. Both share their lists.
-// * `near_cap`: the part of a face between light and near plane, projected from the light onto that plane. ZP+ draws it.
+// group has an instance, and the shader decides whether it is drawn. The first three read the lists of light and dark caps,
+// the others those of near caps.
+// * `light_cap`, `dark_cap`: a face, and the same face at the far end of the volume. z-fail draws both. If volumes may end
+//   at the range, z-pass draws dark caps of those that end. Volumes that ZP+ counts do not end.
 // * `seen_light_cap`: the light cap of a caster that is not in the depth buffer, for z-pass and ZP+.
+// * `near_cap`: the part of a face between light and near plane, projected from the light onto that plane. ZP+ draws it.
 // * `zp_plus_2005_cap`: the near cap of ZP+ as published in 2005.
 // Corners keep the order of the face, so that light caps have the depths of the surface. docs/numerics/shadow-volumes.md.
 
@@ -35,7 +36,7 @@ struct CapInstance {
   light: ShadowLight,
 }
 
-// The face of an instance of the draw of list CAP_KIND. If the lists overflowed, it repeats the tests of `caps` but one:
+// The cap of an instance in the draw of list CAP_KIND. If the lists overflowed, it repeats the tests of `caps` but one:
 // near caps of faces outside the pyramid of light and near rectangle are drawn, too. They lie outside the picture or have no
 // area.
 fn load_cap(instance: u32) -> CapInstance {
@@ -54,6 +55,7 @@ fn load_cap(instance: u32) -> CapInstance {
   let range = face_range(result.caster);
   let face = range.z + slot - range.x;
   result.corners = vec3<u32>(faces[3u * face], faces[3u * face + 1u], faces[3u * face + 2u]);
+  // Else the volume has no end, and the draws of listed caps do not read the counting method.
   if (is_overflowed || has_measures() || shape.proxies != 0u) {
     result.light = with_stored_choices(result.caster, result.light, draw.light, draw.view);
   }
@@ -76,7 +78,7 @@ fn load_cap(instance: u32) -> CapInstance {
   return result;
 }
 
-// For z-fail. It is not trimmed, because it must have the depths of the surface, bit for bit.
+// For z-fail. TRIM does not cut it at the frustum, because it must have the depths of the surface, bit for bit.
 @vertex fn light_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> VolumeVertex {
   let cap = load_cap(instance);
   if (!cap.is_drawn) {
@@ -105,7 +107,7 @@ fn face_of_cap(cap: CapInstance) -> CapFace {
 
 @vertex fn dark_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> VolumeVertex {
   let cap = load_cap(instance);
-  // With z-pass, lists also have faces of casters that are not in the depth buffer, and their volume may go to infinity.
+  // The lists also have faces of casters that are not in the depth buffer, whose volumes may go to infinity.
   let is_endless = shape.proxies != 0u && cap.light.counting != COUNT_Z_FAIL && cap.light.end == 0.0;
   if (!cap.is_drawn || is_endless) {
     return VolumeVertex(NOT_DRAWN);
@@ -130,5 +132,5 @@ fn face_of_cap(cap: CapInstance) -> CapFace {
   return VolumeVertex(frustum_to_clip(cap.view, cap.light, vertex_position(cap.caster, cap.corners[vertex])));
 }
 
-// For passes with colour attachments, which stay as they are.
+// Writes nothing, for passes with colour attachments.
 @fragment fn nothing() {}

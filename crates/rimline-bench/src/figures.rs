@@ -238,7 +238,7 @@ fn time_against_error(rows: &[&Row], lights: usize) -> Figure {
     }
     let title = format!("Run time against error, {}", lights_text(lights));
     let lead = "One mark for each method and class of scenes. The higher, the more silhouette bits are wrong; at the foot, none \
-                is. Colours are arithmetics; filled marks are the GPU's, hollow ones the CPU's.";
+                is. Filled marks are the GPU's, hollow ones the CPU's. Face masks and the CPU have one colour for an arithmetic.";
     Figure::new("time_against_error", title, lead, Some(chart), table)
 }
 

@@ -1,4 +1,4 @@
-//! A device, and the one way in which frames are timed on it.
+//! A device, and a stopwatch for the frames that run on it.
 
 use std::time::Instant;
 
@@ -10,19 +10,19 @@ use crate::Error;
 use crate::engine::{Metric, Sample, Summary};
 use crate::pipelines::{pixels, texture};
 
-/// An opened device. What it is of is cheap to clone.
+/// An opened device. Its device, queue and pipelines are handles, which are cheap to clone.
 pub struct Gpu {
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
     /// Shared by all that is made on the device.
     pub pipelines: Pipelines,
-    /// The first error that the device reported by itself, if any.
+    /// The first error that the device reported outside error scopes, `None` for a device of [`Self::first`].
     pub reported: Box<dyn Fn() -> Option<String>>,
 }
 
 impl Gpu {
-    /// The device that wgpu takes first, with timestamps and these features where it has them, for benches. Returns the
-    /// name of the adapter, too.
+    /// Opens the default adapter of wgpu, for benches, with those of timestamp queries and `wanted` that it has. Returns
+    /// the adapter's name, too.
     pub fn first(wanted: wgpu::Features) -> Result<(Self, String), Error> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle().with_env());
         let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()));
@@ -113,40 +113,45 @@ impl Gpu {
 
     /// GB/s of a copy from buffer to buffer, bytes read and written both counted.
     pub fn copy_bandwidth(&self) -> Result<f64, Error> {
-        const BYTES: u64 = 64 << 20;
-        let [from, to] = [BufferUsages::COPY_SRC, BufferUsages::COPY_DST].map(|usage| self.empty(usage, BYTES));
+        // Small devices allow smaller buffers only. Copies are of whole words.
+        let bytes = (64 << 20).min(self.device.limits().max_buffer_size) & !3;
+        let [from, to] = [BufferUsages::COPY_SRC, BufferUsages::COPY_DST].map(|usage| self.empty(usage, bytes));
         let mut times = Vec::new();
         for _ in 0..=5 {
             let begin = Instant::now();
             let mut encoder = self.encoder();
-            // Several, so that handing over the commands weighs little.
+            // Several, so that the submission itself takes little of the time.
             for _ in 0..8 {
-                encoder.copy_buffer_to_buffer(&from, 0, &to, 0, BYTES);
+                encoder.copy_buffer_to_buffer(&from, 0, &to, 0, bytes);
             }
             self.queue.submit([encoder.finish()]);
             self.wait()?;
             times.push(begin.elapsed().as_secs_f64());
         }
+        // The first round is a warm-up.
         let median = Summary::of(times.drain(1..)).map_or(f64::NAN, |summary| summary.median);
-        Ok(8.0 * 2.0 * BYTES as f64 / median / 1e9)
+        Ok(8.0 * 2.0 * bytes as f64 / median / 1e9)
     }
 }
 
+/// Names and milliseconds.
 type Passes = Vec<(&'static str, f64)>;
 
 /// Times of a frame that was recorded and run.
 pub struct Timed {
     pub recording_ms: f64,
-    /// By the clock, from the submission on.
+    /// By the clock, from the submission to the end of the work.
     pub clock_ms: f64,
-    /// The whole: from the first pass's beginning to the last one's end if they were timed, otherwise by the clock.
+    /// From the first pass's beginning to the last one's end by timestamps, or `clock_ms`: without timestamps, and for
+    /// [`Stopwatch::frame`] on software.
     pub whole_ms: f64,
     pub has_stamps: bool,
-    /// Passes, or parts that were run one by one.
+    /// Passes by timestamps. Without them, parts of [`Stopwatch::frame`] by the clock.
     passes: Passes,
 }
 
 impl Timed {
+    /// The sum over passes or parts whose names are chosen.
     pub fn of(&self, chosen: impl Fn(&str) -> bool) -> f64 {
         self.passes.iter().filter(|(name, _)| chosen(name)).map(|(_, ms)| ms).sum()
     }
@@ -156,16 +161,16 @@ impl Timed {
     }
 }
 
-/// The timer of compute stages on a device that draws: none on software.
+/// The timer of compute stages on a device that draws. On software there is none, see [`Stopwatch`].
 pub fn beside_draws(timer: Option<&mut StageTimer>) -> Option<&mut StageTimer> {
     timer.filter(|timer| !timer.is_software())
 }
 
 /// Records frames and runs them on one device.
 ///
-/// On Mesa's software device the timestamps of compute passes mean nothing once the device has drawn anything: each is
-/// taken when the next one is asked for, and the timer refuses them. So stages are timed on a device of their own, on which
-/// nothing is drawn, and [`beside_draws`] leaves them out elsewhere.
+/// On Mesa's software device the timestamps of compute passes are taken too late once the device has drawn anything, and
+/// the timer refuses them. So stages are timed on a device on which nothing is drawn, and [`beside_draws`] leaves them
+/// out elsewhere.
 pub struct Stopwatch<'a> {
     pub gpu: &'a Gpu,
     /// `None`: times are by the clock.
@@ -203,8 +208,8 @@ impl<'a> Stopwatch<'a> {
         Ok(Timed { recording_ms, clock_ms, whole_ms, has_stamps, passes })
     }
 
-    /// Runs a frame of parts, of which `record` records the one of a name. A part that draws is a pass of its name.
-    /// Without timestamps the parts are run and timed one by one. On software the whole is by the clock.
+    /// Runs a frame of parts. `record` records the part of a name, and times passes that draw under that name. Without
+    /// timestamps the parts are run and timed one by one. On software [`Timed::whole_ms`] is by the clock.
     pub fn frame(
         &mut self,
         parts: &[&'static str],
@@ -230,8 +235,7 @@ impl<'a> Stopwatch<'a> {
         Ok(Timed { recording_ms, clock_ms, whole_ms: clock_ms, has_stamps: false, passes })
     }
 
-    /// The same as [`Self::timed`] without timestamps. Returns milliseconds of the CPU for recording, and by the clock
-    /// from the submission on.
+    /// The same as [`Self::timed`] without timestamps. Returns [`Timed::recording_ms`] and [`Timed::clock_ms`].
     pub fn by_clock(
         &self,
         record: impl FnOnce(&mut wgpu::CommandEncoder) -> Result<(), Error>,
@@ -240,8 +244,7 @@ impl<'a> Stopwatch<'a> {
         Ok([timed.recording_ms, timed.clock_ms])
     }
 
-    /// Passes and the time from the first to the last. `None` without a timer, and from the first timestamps on that mean
-    /// nothing.
+    /// Passes and the time from the first to the last. `None` without a timer. Timestamps without meaning remove the timer.
     fn read(&mut self) -> Result<Option<(Passes, f64)>, Error> {
         let Some(timer) = &self.timer else { return Ok(None) };
         let Gpu { device, queue, .. } = self.gpu;

@@ -41,7 +41,7 @@ impl Section {
     }
 }
 
-/// Colour by what is done, shape by how, so that colour is never the only difference; hollow on the CPU.
+/// The mark of a series in a chart: indices of its colour and shape, and whether it is hollow, as those of the CPU are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Mark {
     pub colour: usize,

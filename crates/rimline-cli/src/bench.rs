@@ -111,7 +111,7 @@ fn times_of_depth_maps(file: &Path) -> Result<Vec<rimline_bench::row::Row>, Fail
     })
 }
 
-/// The device as it is measured. What it is of is shared with the command's.
+/// The command's device for the crate that measures: the same device, queue, pipelines and first error.
 fn measured(gpu: &Gpu) -> Measured {
     let Gpu { device, queue, pipelines, .. } = gpu.clone();
     Measured { device, queue, pipelines, reported: Box::new(gpu.reported()) }

@@ -1,4 +1,4 @@
-//! A scene of one caster, for lights by their numbers.
+//! A scene of one caster, with lights by their indices.
 
 use rimline::gpu::{
     Caster, CasterHandle, FrameInputs, LightHandle, MeshHandle, Pipelines, PositionBuffer, Scene, SceneFrame,
@@ -6,17 +6,18 @@ use rimline::gpu::{
 };
 use rimline::{Light, Mesh, ShadowCamera};
 
-/// A place in a position buffer.
-type BufferRange = (wgpu::Buffer, u64, u64);
+/// The fields of a [`PositionBuffer`]: buffer, offset and stride.
+type BufferLayout = (wgpu::Buffer, u64, u64);
 
 /// A caster whose positions are in a buffer, in world space.
 #[derive(Debug)]
 pub struct OneCaster {
     pub scene: Scene,
     mesh: MeshHandle,
-    /// Whether the caster is in the depth buffer. It is, unless a test says else before the first encode.
+    /// [`Caster::in_depth`], true unless a test sets it before the first encode. Later changes have no effect.
     pub in_depth: bool,
-    caster: Option<(CasterHandle, BufferRange)>,
+    /// `None` before the first encode.
+    caster: Option<(CasterHandle, BufferLayout)>,
     lights: Vec<LightHandle>,
 }
 
@@ -39,7 +40,7 @@ impl OneCaster {
         Ok(Self { scene, mesh, in_depth: true, caster: None, lights: Vec::new() })
     }
 
-    /// Records all stages, for a camera the volumes too.
+    /// Records extraction for these lights, and with a camera the stages of volumes for view 0.
     pub fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -48,23 +49,23 @@ impl OneCaster {
         camera: Option<&ShadowCamera>,
         timer: Option<&mut StageTimer>,
     ) -> Result<OneFrame, ShadowError> {
-        let range = (positions.buffer.clone(), positions.offset, positions.stride);
+        let layout = (positions.buffer.clone(), positions.offset, positions.stride);
         match &mut self.caster {
-            Some((_, at)) if *at == range => {}
-            Some((caster, at)) => {
+            Some((_, last)) if *last == layout => {}
+            Some((caster, last)) => {
                 self.scene.set_positions(*caster, positions)?;
-                *at = range;
+                *last = layout;
             }
             None => {
                 let caster = Caster { in_depth: self.in_depth, ..Caster::in_buffer(self.mesh, positions) };
-                self.caster = Some((self.scene.insert(caster)?, range));
+                self.caster = Some((self.scene.insert(caster)?, layout));
             }
         }
         while self.lights.len() > lights.len() {
             self.lights.pop().map_or(Ok(()), |light| self.scene.remove_light(light))?;
         }
-        for (number, &light) in lights.iter().enumerate() {
-            match self.lights.get(number) {
+        for (index, &light) in lights.iter().enumerate() {
+            match self.lights.get(index) {
                 Some(&handle) => self.scene.set_light(handle, light)?,
                 None => self.lights.push(self.scene.add_light(light)?),
             }
@@ -76,7 +77,7 @@ impl OneCaster {
 }
 
 impl OneFrame {
-    /// Draws the volume of a light.
+    /// Draws the volumes of the light with an index, in view 0.
     pub fn draw(
         &self,
         pass: &mut wgpu::RenderPass<'_>,

@@ -1,6 +1,6 @@
 //! The CPU references of the stages `polygon_facing`, `polygon_turns`, `polygon_pairs` and `polygon_masks`: how a light sees
-//! a polygon (`Orientation`: front-facing, back-facing, in a plane with the light, or twisted). They begin at
-//! `polygon_facing`. The stages of wgsl/polygon that cut twisted polygons have none. docs/numerics/polygons.md.
+//! a polygon (`Orientation`: front-facing, back-facing, in a plane with the light, or twisted). `polygon_facing` runs them
+//! all. The stages that cut twisted polygons have no reference. Claims: docs/numerics/polygons.md.
 
 pub(crate) mod corner_turn;
 pub(crate) mod edge_pair;

@@ -16,8 +16,9 @@ use crate::displace::Displacement;
 use crate::gpu::shadow::format::VolumeKey;
 use crate::stages::{DEFORM, Stage};
 
-/// The pipelines of one device. Each is compiled when it is first needed and then shared by everything that is made
-/// with the same `Pipelines` or a clone of it, on any thread. Make one for each device, and give it to every constructor:
+/// The pipelines of one device: all that compute, and those that draw volumes of meshes. Each is compiled when it is first
+/// needed and then shared by everything that is made with the same `Pipelines` or a clone of it, on any thread. Other
+/// pipelines that draw belong to the object that made them. Make one for each device, and give it to every constructor:
 /// [`Scene::new`](crate::gpu::Scene::new), [`ShadowPipelines::new`](crate::gpu::ShadowPipelines::new),
 /// [`Extractor::new`](crate::gpu::Extractor::new), [`OutlinePipeline::new`](crate::gpu::OutlinePipeline::new),
 /// [`ShadowMasks::new`](crate::gpu::ShadowMasks::new), [`ShadowQuery::new`](crate::gpu::ShadowQuery::new),
@@ -32,13 +33,14 @@ use crate::stages::{DEFORM, Stage};
 /// # }
 /// ```
 ///
-/// Different options, limits and formats have different pipelines. Displacements share a pipeline if their sources are
-/// equal and their bind group layout is the same object. Pipelines live until the last clone, and the last thing
-/// made with it, are dropped. If a displacement changes again and again, give the device instead.
+/// Options, formats and sizes of meshes that change a shader or its constants have pipelines of their own. Displacements
+/// share a pipeline if their sources are equal and their bind group layout is the same object. Pipelines live until the
+/// last clone, and the last thing made with it, are dropped. If a displacement changes again and again, give
+/// [`Deformer::new`](crate::gpu::Deformer::new) the device, or the pipelines of all its sources stay.
 ///
-/// Each constructor first compares the device with the needs of its stages. The first limit, feature or flag that is
-/// missing gives a [`DeviceError`], which names the limit, the value needed and the value of the device. This happens
-/// once for each `Pipelines`.
+/// Each constructor first compares the device with the needs of its stages. This happens once for each `Pipelines` and kind
+/// of stages, such as extraction. The first limit that does not do gives a [`DeviceError`] with its name, the value needed
+/// and the value of the device. The first downlevel flag that is missing gives one with the flag's name.
 ///
 /// Limits are compared in browsers, too. Other errors of the device come later there than a function that does not wait
 /// can return: running out of memory, a buffer of another device, attachments that the device refuses. They go to the
@@ -70,9 +72,9 @@ pub(crate) struct Program {
     entry_point: &'static str,
     /// Names and bits of the constants.
     constants: Vec<(&'static str, u64)>,
-    /// The caller's part of the module, and its bind group layout.
+    /// The caller's part of the module, and the layout of its bind group, which is group 1.
     displacement: Option<Displacement>,
-    further: Option<wgpu::BindGroupLayout>,
+    displacement_layout: Option<wgpu::BindGroupLayout>,
 }
 
 /// A constant that is 1 or 0.
@@ -89,12 +91,13 @@ impl Program {
     /// An entry point of a stage.
     pub(crate) fn at(stage: &'static Stage, entry_point: &'static str, constants: &[(&'static str, f64)]) -> Self {
         let constants = constants.iter().map(|&(name, value)| (name, value.to_bits())).collect();
-        Self { stage, entry_point, constants, displacement: None, further: None }
+        Self { stage, entry_point, constants, displacement: None, displacement_layout: None }
     }
 
-    /// The deform stage. `further` is the layout of the displacement's bind group.
-    pub(crate) fn deform(displacement: Option<&Displacement>, further: Option<&wgpu::BindGroupLayout>) -> Self {
-        Self { displacement: displacement.cloned(), further: further.cloned(), ..Self::of(&DEFORM, &[]) }
+    /// The deform stage, with a displacement and the layout of its bind group.
+    pub(crate) fn deform(displacement: Option<&Displacement>, layout: Option<&wgpu::BindGroupLayout>) -> Self {
+        let (displacement, displacement_layout) = (displacement.cloned(), layout.cloned());
+        Self { displacement, displacement_layout, ..Self::of(&DEFORM, &[]) }
     }
 
     fn wgsl(&self) -> String {
@@ -133,13 +136,13 @@ impl Pipelines {
         &self.0.device
     }
 
-    /// The number of pipelines made so far, compute and render. Waits for those that other threads are making.
+    /// The number of shared pipelines made so far. Waits for those that other threads are making.
     #[doc(hidden)]
     pub fn len(&self) -> usize {
         self.0.compute.len() + self.0.volumes.len()
     }
 
-    /// Whether no pipeline was made yet.
+    /// Whether no shared pipeline was made yet.
     #[doc(hidden)]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
@@ -160,19 +163,19 @@ impl Pipelines {
         self.0.compute.get(self.device(), program, || Pipeline::new(self, program, &program.wgsl()))
     }
 
-    /// Makes the pipelines of these programs that do not exist, at the same time. A pipeline that the device refuses is not
-    /// cached, so that the next request for it returns the error.
+    /// Makes the pipelines of these programs that do not exist, on several threads. A pipeline that the device refuses is
+    /// not cached, so [`Self::get`] makes it again and the device reports the error there.
     pub(crate) fn make_together(&self, programs: &[Program]) {
         let missing = programs.iter().filter(|program| !self.0.compute.has(program));
         let mut missing: Vec<_> = missing.map(|program| (program, program.wgsl())).collect();
-        // The longest begin first, so that no thread is left alone with one.
+        // The longest sources first: a long compilation that began last would keep the others waiting.
         missing.sort_by_key(|(_, wgsl)| Reverse(wgsl.len()));
         together(&missing, |(program, wgsl)| {
             self.0.compute.fill(self.device(), *program, || Pipeline::new(self, program, wgsl));
         });
     }
 
-    /// Makes the pipelines of volumes that do not exist, at the same time, as [`Self::make_together`].
+    /// The same for pipelines of volumes.
     pub(crate) fn make_volumes(
         &self,
         keys: &[VolumeKey],
@@ -261,15 +264,15 @@ pub(crate) struct Pipeline {
 
 impl Pipeline {
     fn new(pipelines: &Pipelines, program: &Program, wgsl: &str) -> Self {
-        let Program { stage, entry_point, ref constants, ref further, .. } = *program;
+        let Program { stage, entry_point, ref constants, ref displacement_layout, .. } = *program;
         let constants: Vec<_> = constants.iter().map(|&(name, bits)| (name, f64::from_bits(bits))).collect();
         let module = pipelines.module(stage.module, wgsl);
-        // They are read from the WGSL of a module once.
+        // A displacement adds none to group 0, so the module's name is enough as a key.
         let read = || Arc::new(Bindings::of(wgsl));
         let bindings = pipelines.0.bindings.get(pipelines.device(), &stage.module, read);
         let layout = pipelines.layout(stage.name, bindings.named().map(|(_, entry)| entry).collect());
         let mut groups = vec![Some(&layout)];
-        groups.extend(further.as_ref().map(Some));
+        groups.extend(displacement_layout.as_ref().map(Some));
         let device = pipelines.device();
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(entry_point),
@@ -287,8 +290,8 @@ impl Pipeline {
         Self { label: entry_point, compute, layout, bindings }
     }
 
-    /// A dispatch of the stage, bound. `get` gives the resource of each name that the WGSL has. If one is missing, the
-    /// device refuses the bind group. Tests bind every stage.
+    /// A dispatch of the stage with its bind group. `get` gives the resource of each name that the WGSL has. If one is
+    /// missing, the device refuses the bind group.
     pub(crate) fn dispatch<'a>(
         &self,
         device: &wgpu::Device,
@@ -299,7 +302,7 @@ impl Pipeline {
         for (name, entry) in self.bindings.named() {
             let Some(Resource { bound, offset }) = get(name) else { continue };
             entries.push(wgpu::BindGroupEntry { binding: entry.binding, resource: bound });
-            // Each uniform has a dynamic offset.
+            // Only uniforms have a dynamic offset.
             if matches!(entry.ty, wgpu::BindingType::Buffer { has_dynamic_offset: true, .. }) {
                 offsets.push(offset);
             }
@@ -309,7 +312,7 @@ impl Pipeline {
         Dispatch { pipeline: self.compute.clone(), group, offsets, workgroups, batch: 0 }
     }
 
-    /// A pass of a stage.
+    /// A pass of the stage's dispatches.
     pub(crate) fn pass(&self, dispatches: impl IntoIterator<Item = Dispatch>) -> Step {
         Step::Pass(self.label, dispatches.into_iter().collect())
     }

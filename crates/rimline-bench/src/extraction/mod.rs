@@ -1,4 +1,4 @@
-//! Silhouettes from new positions: every method by turns, for a mesh and some lights.
+//! Times and errors of extraction: all methods in turn, for a mesh and some lights.
 
 mod on_cpu;
 pub(crate) mod subject;
@@ -22,8 +22,8 @@ pub(crate) use on_cpu::share;
 use subject::{Case, Made};
 pub(crate) use subject::{OF_USER, ORDINARY};
 
-/// Where and how a method runs; on the CPU on one thread or on all. Its times are those of positions that just changed:
-/// facing and edges, nothing kept.
+/// Where and how a method runs; the flag of `OnCpu` is true for all threads, false for one. Each run computes facing and
+/// edges anew, as after a change of positions.
 #[derive(Clone, Copy)]
 enum Runs {
     OnGpu(Method, Predicate),
@@ -36,8 +36,8 @@ pub(crate) const GPU_EXACT: &str = "gpu-mask-exact";
 pub(crate) const CPU_FAST: &str = "cpu-f32-all";
 pub(crate) const CPU_EXACT: &str = "cpu-exact-all";
 
-/// All of them, in the order in which they are shown: names in the data and for people, and marks, whose colour is by
-/// arithmetic, and whose shape is by method.
+/// All methods, in the order in which they are shown: the name in the data, the name for people, where and how it runs, and
+/// colour and shape of its mark. CPU references have the marks of the GPU's face masks with the same arithmetic.
 const CONTESTANTS: [(&str, &str, Runs, usize, usize); 13] = [
     (PER_EDGE, "GPU per edge, f32 plane form (2003)", OnGpu(Method::PerEdge, Predicate::Plane), 0, 2),
     ("gpu-per-edge-local", "GPU per edge, f32 local form", OnGpu(Method::PerEdge, Predicate::Fast), 1, 4),
@@ -132,7 +132,7 @@ fn entries(
     Ok(entries.map(entry).collect())
 }
 
-/// Runs a method again and again, with unordered lists and without masks.
+/// Runs a method on the GPU once a call, with unordered lists and without masks of edges.
 fn contender<'a>(gpu: &'a Gpu, case: &Case<'_>, method: Method, predicate: Predicate) -> Result<Contender<'a>, Error> {
     let options = ExtractorOptions { max_lights: case.lights.len(), method, predicate, ..Default::default() };
     let mut recorder = ExtractorRecorder::new(gpu, options, case.mesh, case.positions, case.lights)?;
@@ -149,7 +149,7 @@ fn contender<'a>(gpu: &'a Gpu, case: &Case<'_>, method: Method, predicate: Predi
     }))
 }
 
-/// A method's bits; facing masks only where it has them.
+/// Runs a method on the GPU and reads its masks. The per-edge method has no facing masks.
 fn extraction(gpu: &Gpu, case: &Case<'_>, method: Method, predicate: Predicate) -> Result<cpu::Extraction, Error> {
     let max_lights = case.lights.len();
     let options =
@@ -167,4 +167,20 @@ fn extraction(gpu: &Gpu, case: &Case<'_>, method: Method, predicate: Predicate) 
     let statistics = cpu::FacingStatistics { undecided_pairs, ..cpu::FacingStatistics::default() };
     gpu.check()?;
     Ok(cpu::Extraction { facing, masks, statistics, ..Default::default() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn references_have_the_marks_of_face_masks() {
+        let all = CONTESTANTS;
+        for (id, _, runs, colour, shape) in all {
+            let OnCpu(Reference(predicate), _) = runs else { continue };
+            let is_same = |runs: Runs| matches!(runs, OnGpu(Method::FaceMask, of) if of == predicate);
+            let on_gpu = all.iter().find(|method| is_same(method.2));
+            assert_eq!(on_gpu.map(|method| (method.3, method.4)), Some((colour, shape)), "{id}");
+        }
+    }
 }

@@ -1,10 +1,11 @@
 // Silhouette edges as lines of even width on the screen: a quad an edge, read from the list by an indirect draw.
+// Expects frame.wgsl and `gpu::include_wgsl(2)` before it in the module (outline_picture.rs).
 //
-// Hidden lines: a fragment belongs to the nearest point of its edge, and it is that point that is seen or not. The survey
-// (model.wgsl) is a texture of the faces that are seen, one or two texels along a pixel. The point is hidden where a face
-// seen around it covers it and lies strictly in front, or where all faces there are in front. A face that contains the
-// point, as the edge's own do and those that touch it there, hides nothing. Veils (veil.wgsl), depths behind which
-// everything in a square of the picture is hidden, settle most hidden lines and points early.
+// Hidden lines: a fragment is drawn if the nearest point of its edge is seen. The survey (model.wgsl) is a texture of the
+// faces that are seen, with one or two texels along a pixel's side. The point is hidden if a face seen within `reach()`
+// texels covers it and lies strictly in front, or if all of them lie in front and no texel is empty. A face that contains
+// the point hides nothing: the edge's own faces do not, nor those that touch the edge there. Most hidden lines and points
+// are found by veils (veil.wgsl): depths behind which everything in a square of the survey is hidden.
 
 @group(1) @binding(0) var seen: texture_2d<u32>;
 @group(1) @binding(1) var<storage, read> positions: array<f32>;
@@ -14,12 +15,13 @@
 
 struct Line {
   @builtin(position) clip: vec4<f32>,
-  // The ends in pixels; the ends in world space, less the eye; one over their depths along the view (1 if orthographic).
+  // The ends: in pixels, relative to the eye in world space, and one over their depths along the view (1 if orthographic).
   @location(0) @interpolate(flat) a: vec2<f32>,
   @location(1) @interpolate(flat) b: vec2<f32>,
   @location(2) @interpolate(flat) from_a: vec3<f32>,
   @location(3) @interpolate(flat) from_b: vec3<f32>,
   @location(4) @interpolate(flat) nearness: vec2<f32>,
+  // 1: the line has the colour of boundary edges.
   @location(5) @interpolate(flat) boundary: u32,
 }
 
@@ -40,7 +42,7 @@ fn last_texel() -> vec2<i32> {
   return frame.survey_scale * vec2<i32>(frame.size) - 1;
 }
 
-// How far from a point's texel others are looked at, in texels.
+// How far from a point's texel, along x and y, the faces of other texels count for it, in texels.
 fn reach() -> i32 {
   return 3 * frame.survey_scale / 2;
 }
@@ -50,7 +52,8 @@ fn certainly_ahead(ahead: f32, size: vec3<f32>) -> f32 {
   return ahead - 1e-5 * (size.x + size.y + size.z);
 }
 
-// Whether all faces around the texels from `low` to `high` are in front of a depth, so that all points behind it are hidden.
+// Whether certainly all texels from `low` to `high`, and those within `reach()` of them, show faces in front of the depth
+// `ahead`. All points there are then hidden from this depth on.
 fn is_veiled(low: vec2<i32>, high: vec2<i32>, ahead: f32) -> bool {
   let from_texel = max(low - reach(), vec2<i32>(0));
   let to_texel = min(high + reach(), last_texel());
@@ -116,10 +119,10 @@ fn texel_at(at: vec2<f32>) -> vec2<i32> {
   let span = stop - start;
   let along = select(vec2<f32>(1.0, 0.0), normalize(span), dot(span, span) > 1e-12);
   // A pixel of room for the soft edge.
-  let reach = frame.half_line + 1.0;
+  let radius = frame.half_line + 1.0;
   let end = select(-1.0, 1.0, (vertex & 1u) == 1u);
   let side = select(-1.0, 1.0, (vertex & 2u) == 2u);
-  let corner = select(start, stop, end > 0.0) + reach * (end * along + side * vec2<f32>(-along.y, along.x));
+  let corner = select(start, stop, end > 0.0) + radius * (end * along + side * vec2<f32>(-along.y, along.x));
   let ndc = corner / frame.size * vec2<f32>(2.0, -2.0) + vec2<f32>(-1.0, 1.0);
   return Line(vec4<f32>(ndc, 0.5, 1.0), start, stop, p, q, 1.0 / vec2<f32>(shrinking(a.z), shrinking(b.z)), u32(edge.kind == 2u) & frame.show_boundary);
 }
@@ -129,12 +132,13 @@ fn position(face: u32, corner: u32) -> vec3<f32> {
   return vec3<f32>(positions[first], positions[first + 1u], positions[first + 2u]);
 }
 
-// How far a product of lengths may be off, as a share of it: positions from the eye by 2 ulp, the point by 5, a normal by 6
-// of its sides' product, the last product by 3.
+// A bound on the rounding error of a product of lengths, as a share of it. In units of 2^-23 a position relative to the eye is
+// off by 2, the point by 5 (its length is at most the square root of 3) unless its edge is many times longer, a normal by 6 of
+// the product of its sides, the last product by 3.
 const ERROR = 12.0 / 8388608.0;
 
-// Whether the ray to `p` passes an edge on its inner side, certainly. At a contour many faces are seen edge-on, thinner than
-// rounding errors: they cover nothing there.
+// Whether the ray to `p` certainly passes an edge on its inner side. It does not for faces seen edge-on, as many are at a
+// contour: they look thinner than the rounding error.
 fn is_within(corner: vec3<f32>, along: vec3<f32>, p: vec3<f32>, turn: f32) -> bool {
   let towards = ray(corner);
   let wall = cross(towards, along);
@@ -143,13 +147,15 @@ fn is_within(corner: vec3<f32>, along: vec3<f32>, p: vec3<f32>, turn: f32) -> bo
   return turn * dot(wall, r) > error;
 }
 
+// Verdicts. The face is not certainly in front of the point.
 const BEYOND = 0u;
-// In front, but beside the point.
+// It is in front, but does not cover the point.
 const BESIDE = 1u;
+// It is in front and covers the point.
 const HIDES = 2u;
 
-// Verdict of a face on a point: `BEYOND`, `BESIDE` or `HIDES`. The point is relative to the eye.
-fn verdict(face: u32, point: vec3<f32>) -> u32 {
+// The verdict for a face and a point, which is relative to the eye.
+fn verdict_of(face: u32, point: vec3<f32>) -> u32 {
   // Units in which the point is about 1 away.
   let per_unit = 1.0 / max(max(abs(point.x), abs(point.y)), max(abs(point.z), 1e-37));
   let p = point * per_unit;
@@ -169,25 +175,24 @@ fn verdict(face: u32, point: vec3<f32>) -> u32 {
   if (is_behind && is_within(a, ab, p, turn) && is_within(b, bc, p, turn) && is_within(c, -ac, p, turn)) {
     return HIDES;
   }
-  // Beside the point a plane that is nearly edge-on decides nothing: the face counts as in front if all of it is far in
-  // front.
+  // If the plane is nearly edge-on, the test above fails. The face then counts as in front if all of it is far in front.
   let farthest = max(max(dot(a, frame.forward), dot(b, frame.forward)), dot(c, frame.forward));
   let gap = dot(p, frame.forward) - farthest;
   let is_far_behind = gap > 2.0 * max(length(ab), max(length(ac), length(bc)));
   return select(BEYOND, BESIDE, is_behind || is_far_behind);
 }
 
-// Faces that are looked at together.
+// The most faces that are gathered before their verdicts are computed.
 const GATHERED = 8u;
 
-// The index of the face that is seen in a texel, plus 1.
+// The index of the face that is seen in a texel, plus 1; 0 if none is.
 fn face_at(texel: vec2<i32>) -> u32 {
   let halves = textureLoad(seen, texel, 0).rg;
   return halves.x | (halves.y << 16u);
 }
 
-// A point is hidden if one face seen within about a pixel hides it, or if all of these faces are in front of it. All are
-// in front where faces are smaller than pixels, or meet over the point as exactly as rounding can tell.
+// A point is hidden if one face seen around it hides it, or if all faces there are in front of it. The second case is for
+// faces smaller than pixels, and for faces whose common edge covers the point within the rounding error.
 fn is_hidden(point: vec3<f32>, at: vec2<f32>) -> bool {
   let middle = texel_at(at);
   if (is_veiled(middle, middle, certainly_ahead(dot(point, frame.forward), abs(point)))) {
@@ -197,7 +202,7 @@ fn is_hidden(point: vec3<f32>, at: vec2<f32>) -> bool {
   let face_here = face_at(middle);
   var is_open = face_here == 0u;
   if (!is_open) {
-    let verdict = verdict(face_here - 1u, point);
+    let verdict = verdict_of(face_here - 1u, point);
     if (verdict == HIDES) {
       return true;
     }
@@ -205,10 +210,10 @@ fn is_hidden(point: vec3<f32>, at: vec2<f32>) -> bool {
   }
   let first = max(middle - reach(), vec2<i32>(0));
   let last = min(middle + reach(), last_texel());
-  // Faces are gathered before they are looked at: neighbouring points then look at theirs together.
+  // Faces are gathered first, so that invocations of neighbouring points compute verdicts at the same time.
   var last_faces = vec4<u32>(face_here, 0u, 0u, 0u);
   var texel = first;
-  // Each turn but the last takes as many texels as there are faces to gather, of 49.
+  // Each turn but the last reads at least GATHERED of the 49 texels.
   // Turns: 7.
   while (texel.y <= last.y) {
     var gathered: array<u32, GATHERED>;
@@ -226,8 +231,8 @@ fn is_hidden(point: vec3<f32>, at: vec2<f32>) -> bool {
       }
     }
     // Turns: GATHERED.
-    for (var number = 0u; number < count; number++) {
-      let verdict = verdict(gathered[number] - 1u, point);
+    for (var index = 0u; index < count; index++) {
+      let verdict = verdict_of(gathered[index] - 1u, point);
       if (verdict == HIDES) {
         return true;
       }
@@ -242,13 +247,13 @@ fn is_hidden(point: vec3<f32>, at: vec2<f32>) -> bool {
   let t = saturate(dot(in.clip.xy - in.a, span) / max(dot(span, span), 1e-12));
   let nearest = in.a + t * span;
   let coverage = saturate(frame.half_line + 0.5 - distance(in.clip.xy, nearest));
-  // Not at the very ends: an end alone, where the rest is hidden, would be drawn as a dot.
+  // The tested point keeps away from the ends. Else the end of a hidden edge, where it is seen, would be drawn as a dot.
   let inset = min(0.5, frame.half_line / max(length(span), 1e-6));
   let seen_at = clamp(t, inset, 1.0 - inset);
-  // One over the distance is linear on the screen.
+  // One over the depth is linear on the screen.
   let along = seen_at * in.nearness.y / mix(in.nearness.x, in.nearness.y, seen_at);
   var is_drawn = coverage > 0.0;
-  // `discard` may not end an invocation, so a branch skips the costly test.
+  // A branch skips the costly test, because the invocation may go on after `discard`.
   if (is_drawn) {
     is_drawn = !is_hidden(in.from_a + along * (in.from_b - in.from_a), in.a + seen_at * span);
   }

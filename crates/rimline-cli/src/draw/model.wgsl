@@ -19,7 +19,7 @@ fn position_of(corner: u32) -> vec3<f32> {
 struct Seen {
   @builtin(position) clip: vec4<f32>,
   @location(0) distance: f32,
-  // Its number plus 1.
+  // Its index plus 1.
   @location(1) @interpolate(flat) face: u32,
 }
 
@@ -28,7 +28,7 @@ struct Seen {
   return Seen(to_clip(view), view.z, corner / 3u + 1u);
 }
 
-// The face's number plus 1 and the bits of its depth, each in two halves, the lower one first.
+// The face's index plus 1 and the bits of its depth, each in two halves, the lower one first.
 @fragment fn survey_fragment(in: Seen) -> @location(0) vec4<u32> {
   let depth = bitcast<u32>(frame.near / max(in.distance, frame.near));
   return vec4<u32>(in.face, in.face >> 16u, depth, depth >> 16u) & vec4<u32>(0xffffu);

@@ -1,5 +1,5 @@
 // Veils: for each square of the survey (model.wgsl), and for larger ones, the depth behind which everything in the square is
-// certainly hidden. `lines.wgsl` asks them first: most lines of scenes of many bodies end there.
+// certainly hidden. lines.wgsl tests them first: they hide most lines in scenes of many bodies.
 
 @group(1) @binding(0) var seen: texture_2d<u32>;
 @group(1) @binding(1) var<storage, read> positions: array<f32>;
@@ -23,7 +23,7 @@ fn size_of(v: vec3<f32>) -> f32 {
   return abs(v.x) + abs(v.y) + abs(v.z);
 }
 
-// A point this far ahead of the eye is far behind the face, as `verdict` of `lines.wgsl` means it.
+// A point farther ahead of the eye than this is far behind the face, as `verdict_of` in lines.wgsl tests it.
 fn veil_of(face: u32) -> f32 {
   let a = from_eye(face, 0u);
   let b = from_eye(face, 1u);
