@@ -103,10 +103,8 @@ impl Measuring {
     pub const CACHED_LISTS: Self = Self(1 << 5);
     /// Casters behind an occluder.
     pub const CULLED_BY_OCCLUDERS: Self = Self(1 << 6);
-    /// Occluded faces.
-    pub const OCCLUDED_FACES: Self = Self(1 << 7);
     /// Deforming casters that the frame does not need.
-    pub const CULLED_CASTERS: Self = Self(1 << 8);
+    pub const CULLED_CASTERS: Self = Self(1 << 7);
 
     /// Everything that is culled or cached without a call of the caller.
     pub const CULL_NOTHING: Self = Self(
