@@ -76,9 +76,9 @@ impl Pipelines {
             self.construct(subject, || Ok::<_, DeviceError>(()))?;
             match *needed {
                 Use::Extraction(options) => programs.extend(extraction::of_triangles(self.device(), options)),
-                Use::Scene(options) => programs.extend(scene::programs(options.predicate())),
+                Use::Scene(_) => programs.extend(scene::programs()),
                 Use::SceneShadows(options) => {
-                    programs.extend(scene::programs(options.predicate()));
+                    programs.extend(scene::programs());
                     // `false`: without the stages for pieces of twisted polygons.
                     programs.extend(shadow::programs(false, options));
                 }

@@ -1,8 +1,8 @@
 //! Pipelines that are made before the first frame, and which a frame makes.
 
 use rimline::gpu::{
-    Caster, DeformerOptions, Extractor, ExtractorOptions, FrameInputs, Measuring, Pipelines, PositionBuffer, Receivers,
-    Scene, SceneOptions, ShadowFormat, ShadowPipelines, StencilCounts, Use, View,
+    Caster, DeformerOptions, Extractor, ExtractorOptions, FrameInputs, Pipelines, PositionBuffer, Receivers, Scene,
+    SceneOptions, ShadowFormat, ShadowPipelines, StencilCounts, Use, View,
 };
 use rimline::{Counting, Light};
 use rimline_testkit::device::Gpu;
@@ -38,7 +38,6 @@ fn kinds() -> Vec<Kind> {
     vec![
         ("no camera", plain, &[], 7),
         ("a camera", plain, &[Camera], 13),
-        ("not exact", SceneOptions { measuring: Measuring::FAST, clusters_from: None, ..plain }, &[Camera], 12),
         ("z-pass", SceneOptions { counting: Counting::ZPass, ..plain }, &[Camera], 13),
         // The case of each side.
         ("zp+ of 2005", SceneOptions { counting: Counting::ZpPlus2005, ..plain }, &[Camera], 14),

@@ -1,5 +1,5 @@
 //! Walls over contours by `contour_marks`, `contour_crossings`, `contour_tiles` and `contour_walls`: lists against goldens,
-//! and those that overflow. They are closed, cross each jump once, and lie on rims that are known exactly.
+//! and those that overflow. They are closed, and cross each jump once.
 
 use std::collections::{HashMap, HashSet};
 
@@ -25,7 +25,6 @@ pub(crate) const TESTS: &[Test] = &[
     ("steep_surfaces_end_before_those_behind", before_those_behind),
     ("walls_that_overflow_are_those_of_every_cell", overflow),
     ("walls_are_closed_and_cross_jumps_once", closed),
-    ("contours_lie_on_rims", on_rims),
 ];
 
 /// The unit of distances.
@@ -309,75 +308,15 @@ pub(crate) fn distance(map: &Map, [x, y]: [i32; 2]) -> Option<i64> {
     (!is_far).then(|| units.min(UNIT as i64 - 1))
 }
 
-/// Whether the distances of five samples, from a rim inwards, are those of a conic that ends along a ray of the light:
-/// the squares of their differences from the rim's own are a quadratic polynomial. For maps of floats.
-fn is_round(map: &Map, z: &[i64]) -> bool {
-    let rises: Vec<_> = z.iter().map(|distance| z[0] - distance).collect();
-    let off = if map.is_reversed { (UNIT as i64 - z[0]) >> 21 } else { 128 };
-    if rises.windows(2).any(|pair| pair[0] >= pair[1]) || rises[1] < 1024.max(16 * off) {
-        return false;
-    }
-    // With eleven bits of the first difference.
-    let shift = (rises[1].ilog2() + 1).saturating_sub(11);
-    let rises: Vec<_> = rises.iter().map(|rise| rise >> shift).collect();
-    let differences: Vec<_> = rises.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let bend = differences[0] - 2 * differences[1] + differences[2];
-    if differences.iter().any(|&difference| difference > differences[0]) || bend <= 0 {
-        return false;
-    }
-    // The third difference of (rim + rise)² is 0, which is linear in the rim.
-    let cube = |of: [i64; 4]| of[3] - 3 * of[2] + 3 * of[1] - of[0];
-    let four = [rises[0], rises[1], rises[2], rises[3]];
-    let (squares, linear) = (cube(four.map(|rise| rise * rise)), 2 * cube(four));
-    if -squares * linear.signum() < 0 || squares.abs() / bend > 16 * differences[0] {
-        return false;
-    }
-    let rim = -squares / linear;
-    let further = [rises[1], rises[2], rises[3], rises[4]].map(|rise| (rim + rise) * (rim + rise));
-    cube(further).abs() <= differences[0] * differences[0] / 8
-}
-
-/// Whether there is a jump between neighbours: the whole rule, by independent code, which shares no constant with the stage.
-fn is_jump(map: &Map, numbers: Option<&[u32]>, threshold: i64, at: [i32; 2], step: [i32; 2]) -> bool {
-    let there = |count: i32| [at[0] + count * step[0], at[1] + count * step[1]];
-    let values: Vec<_> = (-3..=4).map(|count| distance(map, there(count))).collect();
-    let difference = |first: usize| Some(values[first + 1]? - values[first]?);
-    let (Some(a), Some(b)) = (values[3], values[4]) else { return values[3].is_some() != values[4].is_some() };
+/// Whether there is a jump between two neighbours, where they alone decide: one is far, they are of two objects, or their
+/// distances differ by no more than the threshold. `None` where the samples beside them decide: goldens hold those marks.
+fn jump(map: &Map, numbers: Option<&[u32]>, threshold: i64, ends: [[i32; 2]; 2]) -> Option<bool> {
+    let [a, b] = ends.map(|at| distance(map, at));
+    let (Some(a), Some(b)) = (a, b) else { return Some(a.is_some() != b.is_some()) };
     let number =
         |[x, y]: [i32; 2]| numbers.map(|numbers| numbers[((y - 1) as u32 * map.size[0] + (x - 1) as u32) as usize]);
-    if number(at) != number(there(1)) {
-        return true;
-    }
-    let jump = (b - a).abs();
-    if jump <= threshold {
-        return false;
-    }
-    // The sign makes the second sample the farther one.
-    let sign = if b > a { 1 } else { -1 };
-    let (nearer, farther) = if b > a { ([2, 1], [4, 5]) } else { ([4, 5], [2, 1]) };
-    let beside = |first: usize| difference(first).map(|difference| sign * difference);
-    if [nearer[0], farther[0]].into_iter().filter_map(beside).any(|beside| (jump - beside).abs() <= threshold) {
-        return false;
-    }
-    let slope = |[first, second]: [usize; 2]| match (beside(first), beside(second)) {
-        (Some(a), Some(b)) if a.signum() * b.signum() >= 0 && (a >= 0) == (b >= 0) => {
-            if a.abs() < b.abs() {
-                a
-            } else {
-                b
-            }
-        }
-        _ => 0,
-    };
-    let before = beside(nearer[0]).unwrap_or(0);
-    // The next edge rises more, or leads to nothing, and the surface is round up to here.
-    let towards = if b > a { [4, 3, 2, 1, 0] } else { [3, 4, 5, 6, 7] };
-    let round: Option<Vec<_>> = towards.into_iter().map(|at| values[at]).collect();
-    if beside(farther[0]).is_none_or(|after| after > jump) && round.is_some_and(|z| is_round(map, &z)) {
-        return false;
-    }
-    let is_alone = beside(farther[0]).is_some_and(|after| before.max(after) / 2 < jump / 4);
-    (jump > 16 * threshold || is_alone) && jump - slope(nearer).max(slope(farther)) > threshold
+    let [object, other] = ends.map(number);
+    if object == other { ((b - a).abs() <= threshold).then_some(false) } else { Some(true) }
 }
 
 /// Whether the way from one sample to the next crosses a segment, neither through its end.
@@ -390,7 +329,7 @@ fn crosses([a, b]: [[i64; 2]; 2], [p, q]: [[i64; 2]; 2]) -> bool {
     is_between && side(p, q, a) * side(p, q, b) < 0
 }
 
-/// Checks that ends of walls cancel, and that the walls cross each jump once and no other edge.
+/// Checks that ends of walls cancel, and that the walls cross each jump once, no other edge, and none twice.
 fn check_closed(map: &Map, numbers: Option<&[u32]>, threshold: i64, quads: &[Quad]) -> Result<usize, String> {
     // The vertical ends: at each position and distance as many go down as go up.
     let mut ends: HashMap<[i32; 3], i32> = HashMap::new();
@@ -442,9 +381,9 @@ fn check_closed(map: &Map, numbers: Option<&[u32]>, threshold: i64, quads: &[Qua
             continue;
         }
         let found = crossings.get(&([x, y].map(i64::from), axis)).copied().unwrap_or(0);
-        let is_marked = is_jump(map, numbers, threshold, [x, y], step);
-        if found != usize::from(is_marked) {
-            return Err(format!("{found} walls cross from {:?} along {axis}, a jump: {is_marked}", [x, y]));
+        let jump = jump(map, numbers, threshold, [[x, y], [x + step[0], y + step[1]]]);
+        if jump.map_or(found > 1, |is_jump| found != usize::from(is_jump)) {
+            return Err(format!("{found} walls cross from {:?} along {axis}, a jump: {jump:?}", [x, y]));
         }
         crossed += found;
     }
@@ -490,125 +429,4 @@ fn closed() -> Result<(), String> {
     }
     println!("{crossed} edges are crossed");
     if crossed > 20_000 { Ok(()) } else { Err("too few".to_owned()) }
-}
-
-const SIDE: u32 = 96;
-
-/// Body that a map shows before a ground.
-#[derive(Clone, Copy, Debug)]
-enum Body {
-    /// Round towards the light: its depths determine its rim.
-    Ellipsoid,
-    /// Flat, with a round border: only its border determines it.
-    Disc,
-    /// Flat, with a straight border.
-    HalfPlane,
-}
-
-/// A body in a map, in texels.
-#[derive(Clone, Copy, Debug)]
-struct Placed {
-    body: Body,
-    middle: [f64; 2],
-    /// The axis of the ellipse, or what is at right angles to the border.
-    axis: [f64; 2],
-    radii: [f64; 2],
-    /// The slope of the body along x and y.
-    slopes: [f64; 2],
-}
-
-impl Placed {
-    fn random(body: Body, random: &mut Random) -> Self {
-        let mut between = |low: f32, high: f32| f64::from(random.between(low, high));
-        let angle = between(0.0, std::f32::consts::TAU);
-        Self {
-            body,
-            middle: [between(40.0, 56.0), between(40.0, 56.0)],
-            axis: [angle.cos(), angle.sin()],
-            radii: [between(12.0, 36.0), between(12.0, 36.0)],
-            slopes: [between(-0.001, 0.001), between(-0.001, 0.001)],
-        }
-    }
-
-    /// More than 0 within the body. The square of the height, of an ellipsoid.
-    fn inside(&self, [x, y]: [f64; 2]) -> f64 {
-        let [x, y] = [x - self.middle[0], y - self.middle[1]];
-        let along = x * self.axis[0] + y * self.axis[1];
-        let across = y * self.axis[0] - x * self.axis[1];
-        match self.body {
-            Body::HalfPlane => along,
-            Body::Ellipsoid | Body::Disc => 1.0 - (along / self.radii[0]).powi(2) - (across / self.radii[1]).powi(2),
-        }
-    }
-
-    fn depth(&self, position: [f64; 2]) -> f64 {
-        let inside = self.inside(position);
-        if inside <= 0.0 {
-            return 0.9;
-        }
-        let height = if matches!(self.body, Body::Ellipsoid) { 0.2 * inside.sqrt() } else { 0.0 };
-        0.5 + self.slopes[0] * (position[0] - 48.0) + self.slopes[1] * (position[1] - 48.0) - height
-    }
-
-    fn map(&self, is_reversed: bool) -> Map {
-        Map::new([SIDE; 2], is_reversed, |texel| {
-            let depth = self.depth([texel % SIDE, texel / SIDE].map(|at| f64::from(at) + 0.5));
-            if is_reversed { 1.0 - depth as f32 } else { depth as f32 }
-        })
-    }
-
-    /// Where the border is on an edge, in parts of a texel from its first sample on.
-    fn crossing(&self, at: [u32; 2], axis: usize) -> f64 {
-        let on = |along: f64| {
-            let mut position = at.map(|at| f64::from(at) - 0.5);
-            position[axis] += along;
-            self.inside(position) > 0.0
-        };
-        let (mut low, mut high) = (0.0, 1.0);
-        for _ in 0..40 {
-            let middle = f64::midpoint(low, high);
-            if on(middle) == on(0.0) { low = middle } else { high = middle }
-        }
-        low
-    }
-}
-
-/// Errors of crossings in the mean, in texels.
-fn on_rims() -> Result<(), String> {
-    let (gpu, mut random) = Gpu::seeded(1691)?;
-    // Segments go through the crossings that they join, so these move by rounding to 1/256 texel alone.
-    let fit = Fit { threshold: 1.0 / 2048.0, sideways: 0.0, depth: 0.0, slope_bias: 1.0 };
-    // The middle of an edge is a fourth of a texel off in the mean.
-    for (body, most) in [(Body::Ellipsoid, 0.03), (Body::Disc, 0.13), (Body::HalfPlane, 0.095)] {
-        // Sums of errors, those of the middles of edges, and those of the other side of edges.
-        let (mut edges, mut off) = (0, [0.0; 3]);
-        for round in 0..if is_long() { 400 } else { 30 } {
-            let placed = Placed::random(body, &mut random);
-            let formats = [TextureFormat::R32Float, TextureFormat::Depth24Plus, TextureFormat::Depth16Unorm];
-            let map = rounded(&placed.map(round % 2 == 1), formats[round % 3]);
-            let options = DepthMapOptions { rounded_to: Some(formats[round % 3]), ..fit.options() };
-            let vertices = walls_of(&gpu, &map, None, options)?.concat();
-            // Vertices on edges, but for the outermost, which lead out of the map.
-            for [x, y] in vertices.iter().map(|vertex| [vertex[0], vertex[1]]).collect::<HashSet<_>>() {
-                let at = [x, y].map(|along| along as u32 / 256);
-                let axis = usize::from(x % 256 == 0);
-                let crossing = [x, y][axis] % 256;
-                if crossing == 0 || [x, y][1 - axis] % 256 != 0 || at.iter().any(|at| !(2..SIDE - 1).contains(at)) {
-                    continue;
-                }
-                let (crossing, truth) = (f64::from(crossing) / 256.0, placed.crossing(at, axis));
-                edges += 1;
-                [crossing, 0.5, 1.0 - crossing]
-                    .into_iter()
-                    .zip(&mut off)
-                    .for_each(|(at, off)| *off += (at - truth).abs());
-            }
-        }
-        let off = off.map(|off| off / f64::from(edges));
-        println!("{body:?}: {edges} edges, off in the mean, their middles, and other sides: {off:?}");
-        if edges < 1000 || off[0] > most || off[1].min(off[2]) < most {
-            return Err(format!("{body:?}: {edges} edges, {off:?} texels off, most is {most}"));
-        }
-    }
-    Ok(())
 }

@@ -1,65 +1,20 @@
-//! Facing of scenes by exact arithmetic and without it, and how much is left to it.
+//! Facing of scenes by exact arithmetic, and how much is left to it.
 
-use rimline::gpu::{Caster, FrameInputs, LightMask, Measuring, Scene, SceneOptions};
+use rimline::gpu::{Caster, FrameInputs, LightMask, Scene, SceneOptions};
 use rimline::internals::cpu::{self, Threads};
-use rimline::internals::scene::SceneTable;
 use rimline::{Light, Mesh, Predicate};
-use rimline_testkit::band::check_facing;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
-use rimline_testkit::oracle::listed;
 use rimline_testkit::{IDENTITY, must_fail, same, shapes};
 
-use crate::found::{Found, entries_of, read_frame};
-use crate::random_scene::RandomScene;
+use crate::found::Found;
 use crate::scenes::roomy;
 
 pub(crate) const TESTS: &[Test] = &[
-    ("fast_facing_is_right_outside_its_band", fast),
     ("ordinary_scenes_leave_few_faces_undecided", few_undecided),
     ("exact_facing_of_scenes_ends_however_much_there_is_to_settle", full_invocations),
 ];
-
-/// Facing without exact arithmetic errs in its band only, and the lists hold what its masks say.
-fn fast() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let mut silhouettes = 0;
-    for seed in 2601..2611 {
-        // Slots have the order of the mesh.
-        let options = SceneOptions { measuring: Measuring::FAST, ..roomy(8) };
-        let mut scene = RandomScene::filled(gpu, seed, options, [6, 10])?;
-        let (frame, found) = read_frame(gpu, &mut scene)?;
-        for caster in &scene.content.casters {
-            let (index, group) = frame.locate(caster.handle).ok_or("the frame lacks a caster")?;
-            let bits: Vec<u32> = (0..32).filter(|bit| found.relevant[index as usize] >> bit & 1 != 0).collect();
-            let lights = bits.iter().map(|&bit| scene.content.moved_light(caster, bit));
-            let lights = lights.collect::<Option<Vec<_>>>().ok_or("a light is not allowed")?;
-            if lights.is_empty() {
-                continue;
-            }
-            let (mesh, positions) = scene.content.mesh_and_positions(caster);
-            let entry = SceneTable(&found.table).caster(index);
-            let results = found.group(group, 0)?;
-            let slots = entry.first_face_slot as usize..(entry.first_face_slot + entry.faces) as usize;
-            let gather = |&mask: &u32| bits.iter().zip(0..).fold(0, |all, (bit, at)| all | (mask >> bit & 1) << at);
-            let facing: Vec<u32> = results.facing[slots].iter().map(gather).collect();
-            check_facing(&format!("caster {index}"), &facing, positions, mesh.faces(), &lights)?;
-            let masks = cpu::edges(mesh.edges(), &facing, mesh.faces().len(), lights.len(), Threads::ONE);
-            for (light, &bit) in (0..).zip(&bits) {
-                let mut list = entries_of(&entry, &results.lists[bit as usize]);
-                let expected = listed(&masks, light);
-                same("list", &list, &expected)?;
-                silhouettes += list.len();
-                if let Some(entry) = list.last_mut() {
-                    *entry ^= cpu::WINDING;
-                    must_fail("a flipped winding bit", &same("list", &list, &expected))?;
-                }
-            }
-        }
-    }
-    if silhouettes == 0 { Err("no silhouettes".to_owned()) } else { Ok(()) }
-}
 
 /// Light indices past the last light of a caster repeat it, and each caster has a bound of its own lights. Neither
 /// leaves more faces undecided than in a single mesh.

@@ -25,7 +25,6 @@ mod thousands;
 mod trials;
 mod twisted;
 mod vertices;
-mod zp_plus_2005;
 
 use libtest_mimic::{Failed, Trial};
 use rimline_testkit::frame_classes::CLASSES;
@@ -36,7 +35,6 @@ fn main() {
     let mut all: Vec<_> = CLASSES.iter().map(|class| Trial::test(class.name, right(class)).with_kind("gpu")).collect();
     let tests = [
         trials::TESTS,
-        zp_plus_2005::TESTS,
         range::TESTS,
         nested::TESTS,
         overflow::TESTS,

@@ -9,7 +9,6 @@ use crate::gpu::common::wanted::{Account, Wanted};
 use crate::gpu::extract::buffers::{RECORD_HEAD, default_capacity};
 use crate::gpu::extract::polygon_buffers::{HEAD_WORDS, PolygonShape};
 use crate::layout::{DrawArguments, LightBatch, SceneStatistics};
-use crate::method::Predicate;
 
 /// Bytes before the entries of lists: a count for each of 32 lights, the word `CACHED_ZEROS` (`wgsl/common/casters.wgsl`),
 /// and padding, because bindings begin at multiples of 256.
@@ -63,9 +62,8 @@ impl GroupSizes {
     /// The sizes for a batch with `lights` bits.
     pub(crate) fn new(group: &Group, lights: u32, options: &SceneOptions, limits: &DispatchLimits) -> Self {
         let slots = u64::from(group.face_slots());
-        let is_exact = options.predicate() == Predicate::Exact && group.polygons.is_none();
         let undecided = match options.capacities.undecided {
-            _ if !is_exact => 1,
+            _ if group.polygons.is_some() => 1,
             Some(capacity) => u64::from(capacity.max(1)),
             None => (slots / 4).max(4096),
         };

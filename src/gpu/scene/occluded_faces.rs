@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use super::caster::{OccludedFacesOfLight, OcclusionCaster, Placement};
 use super::handles::{CasterHandle, LightHandle};
-use super::options::Measuring;
 use super::scene::Scene;
 use crate::Transform;
 use crate::cpu::OccludedFaces;
@@ -118,9 +117,6 @@ impl Scene {
 
     /// Whether the light and all casters meet the conditions.
     fn holds(&self, of: &OccludedFacesOfLight) -> bool {
-        if self.options.measuring.has(Measuring::OCCLUDED_FACES) {
-            return false;
-        }
         let light = self.content.lights.get(of.light.bit);
         let is_same = |source: &OcclusionCaster| {
             self.content.casters.get(source.key).is_some_and(|entry| {

@@ -1,6 +1,5 @@
 //! Options of a scene.
 
-use crate::method::Predicate;
 use crate::shadow::Counting;
 
 /// Counting method and capacities of a [`Scene`](crate::gpu::Scene).
@@ -85,8 +84,7 @@ impl Default for StencilCounts {
     }
 }
 
-/// Work that a scene does although no image needs it, and the predicate: for measuring and tests. It may change in any
-/// release.
+/// Work that a scene does although no image needs it: for measuring and tests. It may change in any release.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Measuring(u32);
@@ -104,14 +102,10 @@ impl Measuring {
     pub const CACHED_BITS: Self = Self(1 << 4);
     /// Lists of views that did not change.
     pub const CACHED_LISTS: Self = Self(1 << 5);
-    /// [`Predicate::Fast`] decides. Clusters need the exact one.
-    pub const FAST: Self = Self(1 << 6);
     /// Casters behind an occluder.
-    pub const CULLED_BY_OCCLUDERS: Self = Self(1 << 7);
-    /// Occluded faces.
-    pub const OCCLUDED_FACES: Self = Self(1 << 8);
+    pub const CULLED_BY_OCCLUDERS: Self = Self(1 << 6);
     /// Deforming casters that the frame does not need.
-    pub const CULLED_CASTERS: Self = Self(1 << 9);
+    pub const CULLED_CASTERS: Self = Self(1 << 7);
 
     /// Everything that is culled or cached without a call of the caller.
     pub const CULL_NOTHING: Self = Self(
@@ -129,13 +123,6 @@ impl Measuring {
 
     pub(crate) const fn has(self, what: Self) -> bool {
         self.0 & what.0 != 0
-    }
-}
-
-impl SceneOptions {
-    /// The predicate that decides the sides of faces.
-    pub(crate) const fn predicate(&self) -> Predicate {
-        if self.measuring.has(Measuring::FAST) { Predicate::Fast } else { Predicate::Exact }
     }
 }
 

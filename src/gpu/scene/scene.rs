@@ -25,7 +25,6 @@ use crate::gpu::extract::of_scene::PolygonMesh;
 use crate::gpu::shadow::errors::ShadowError;
 use crate::gpu::shadow::format::Casters;
 use crate::gpu::shadow::pipelines::check_count_bits;
-use crate::method::Predicate;
 use crate::{Light, Mesh, Transform};
 
 /// Many casters and lights, whose silhouettes are extracted together. Casters share the stored mesh. The work of recording
@@ -189,12 +188,11 @@ impl Scene {
         self.models.values().map(|model| model.deformer.bytes).sum()
     }
 
-    /// The topology of a mesh to upload. Predicates other than the exact one may decide faces differently from clusters, so
-    /// they use no clusters.
+    /// The topology of a mesh to upload.
     fn topology<'a>(&self, mesh: &'a Mesh, positions: &[[f32; 3]]) -> Topology<'a> {
         let clusters_from = self.options.clusters_from;
         let is_in_clusters = clusters_from.is_some_and(|least| mesh.faces().len() >= least.max(1) as usize);
-        if is_in_clusters && mesh.polygons().is_none() && self.options.predicate() == Predicate::Exact {
+        if is_in_clusters && mesh.polygons().is_none() {
             Topology::in_clusters(mesh, positions)
         } else {
             Topology::plain(mesh)

@@ -7,13 +7,12 @@ use crate::gpu::common::bindings::{Resource, part, uniform, whole};
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, exact_workgroups, loops_of};
 use crate::gpu::common::pass::{Step, Workgroups};
-use crate::gpu::common::pipelines::{Program, switch};
+use crate::gpu::common::pipelines::Program;
 use crate::gpu::common::positions::{BoundPositions, bound};
 use crate::gpu::extract::buffers::Shape;
 use crate::gpu::extract::of_scene::polygon_steps;
 use crate::gpu::{extract, shadow};
 use crate::layout::{CHUNK, DrawShape, ExtractionStatistics, LANES, SceneDispatch};
-use crate::method::Predicate;
 use crate::stages::{ARGUMENTS, CHUNKS, CLUSTERS, CULL_LIGHTS, SCENE_EDGES, SCENE_EXACT_FACING, SCENE_FACING};
 use crate::turns::{SCENE_ITEMS, scene_exact_items};
 
@@ -43,24 +42,22 @@ impl Items {
 }
 
 /// The stages in their order, with their items.
-fn stages(predicate: Predicate) -> Vec<(Program, Items)> {
-    let is_exact = predicate == Predicate::Exact;
-    let plain = |stage| Program::of(stage, &[]);
-    let facing = [("PLANE", switch(predicate.is_plane())), ("EXACT", switch(is_exact))];
-    let mut stages = vec![
-        (plain(&CULL_LIGHTS), Items::Pairs),
-        (plain(&CLUSTERS), Items::FaceChunks),
-        (plain(&CHUNKS), Items::EdgeChunks),
-        (Program::of(&SCENE_FACING, &facing), Items::Faces),
-    ];
-    stages.extend(is_exact.then(|| (plain(&SCENE_EXACT_FACING), Items::Undecided)));
-    stages.extend([(plain(&SCENE_EDGES), Items::Edges), (plain(&ARGUMENTS), Items::One)]);
-    stages
+fn stages() -> [(Program, Items); 7] {
+    [
+        (&CULL_LIGHTS, Items::Pairs),
+        (&CLUSTERS, Items::FaceChunks),
+        (&CHUNKS, Items::EdgeChunks),
+        (&SCENE_FACING, Items::Faces),
+        (&SCENE_EXACT_FACING, Items::Undecided),
+        (&SCENE_EDGES, Items::Edges),
+        (&ARGUMENTS, Items::One),
+    ]
+    .map(|(stage, items)| (Program::of(stage, &[]), items))
 }
 
 /// The programs of these stages, in their order.
-pub(crate) fn programs(predicate: Predicate) -> Vec<Program> {
-    stages(predicate).into_iter().map(|(program, _)| program).collect()
+pub(crate) fn programs() -> Vec<Program> {
+    stages().into_iter().map(|(program, _)| program).collect()
 }
 
 /// The steps of a structure, for after the upload of its table. There are none without casters or lights.
@@ -69,9 +66,9 @@ pub(crate) fn programs(predicate: Predicate) -> Vec<Program> {
 /// [`DeviceError::BufferRefused`] if a caller destroyed the buffer of a caster.
 pub(crate) fn steps(inputs: &Inputs<'_>, structure: &Structure) -> Result<Vec<Step>, DeviceError> {
     let Inputs { pipelines, options, room, .. } = *inputs;
-    let (device, predicate) = (pipelines.device(), options.predicate());
+    let device = pipelines.device();
     let Some(first) = structure.parts.first() else { return Ok(Vec::new()) };
-    let mut programs = programs(predicate);
+    let mut programs = programs();
     if room.views > 0 {
         let has_pieces = structure.layout.groups.iter().any(|group| group.polygons.is_some());
         programs.extend(shadow::stages::programs(has_pieces, options));
@@ -80,7 +77,7 @@ pub(crate) fn steps(inputs: &Inputs<'_>, structure: &Structure) -> Result<Vec<St
     let binder = Binder::new(inputs, structure);
     let mut steps = clears(structure);
     bound(device, || {
-        for (program, items) in stages(predicate) {
+        for (program, items) in stages() {
             let pipeline = pipelines.get(&program);
             let parts = if let Items::Pairs = items { std::slice::from_ref(first) } else { &structure.parts };
             if pipeline.label == ARGUMENTS.name {
