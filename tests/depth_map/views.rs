@@ -110,7 +110,7 @@ pub(crate) fn worlds(random: &mut Random) -> Vec<World> {
 }
 
 /// The point seen through a pixel, and its normal.
-type Seen = Option<(DVec3, DVec3)>;
+pub(crate) type Seen = Option<(DVec3, DVec3)>;
 
 /// The points that the pixels of a picture see.
 fn seen(world: &World, rays: &Rays) -> Vec<Seen> {
@@ -180,7 +180,7 @@ impl<'a> View<'a> {
     }
 
     /// The points that the light sees.
-    fn light_seen(&self) -> &[Seen] {
+    pub(crate) fn light_seen(&self) -> &[Seen] {
         self.light_seen.get_or_init(|| seen(self.world, &self.sun.rays))
     }
 
