@@ -23,12 +23,18 @@ pub(crate) enum World {
         half: DVec3,
     },
     Mesh(rays::Tracer<()>),
+    /// Triangles alone, without a ground.
+    Bare(rays::Tracer<()>),
 }
 
 impl World {
     pub(crate) fn mesh(shape: &Shape, scale: f64, centre: DVec3) -> Self {
         let corner = |v: u32| DVec3::from_array(shape.positions[v as usize].map(f64::from)) * scale + centre;
         Self::Mesh(rays::Tracer::build(shape.faces.iter().map(|face| (face.map(corner), ()))))
+    }
+
+    fn has_ground(&self) -> bool {
+        !matches!(self, Self::Bare(_))
     }
 
     /// Whether a point is in the body, or below the ground.
@@ -38,12 +44,12 @@ impl World {
             Self::Torus { centre, major, minor } => of_torus(point - centre, [*major, *minor]) <= 0.0,
             Self::Cuboid { centre, half } => (point - centre).abs().cmple(*half).all(),
             // Meshes are closed. The direction is no axis of theirs.
-            Self::Mesh(tracer) => {
+            Self::Mesh(tracer) | Self::Bare(tracer) => {
                 let direction = DVec3::new(0.48, 0.6, 0.64);
                 tracer.meetings((point, direction)).filter(|(t, _)| *t > 0.0).count() % 2 == 1
             }
         };
-        point.y <= 0.0 || is_in_body
+        (point.y <= 0.0 && self.has_ground()) || is_in_body
     }
 
     /// Where a ray meets the shape first, and the normal there.
@@ -52,7 +58,7 @@ impl World {
             Self::Sphere { centre, radius } => sphere(from - centre, direction, *radius),
             Self::Torus { centre, major, minor } => torus(from - centre, direction, [*major, *minor]),
             Self::Cuboid { centre, half } => cuboid(from - centre, direction, *half),
-            Self::Mesh(tracer) => {
+            Self::Mesh(tracer) | Self::Bare(tracer) => {
                 let (t, triangle) = tracer.nearest((from, direction))?;
                 let [a, b, c] = triangle.corners;
                 Some((t, (b - a).cross(c - a).normalize()))
@@ -64,7 +70,8 @@ impl World {
     pub(crate) fn first(&self, from: DVec3, direction: DVec3) -> Option<(f64, DVec3)> {
         let t = -from.y / direction.y;
         let at = from + t * direction;
-        let ground = (t > 0.0 && at.x.abs() < GROUND && at.z.abs() < GROUND).then_some((t, DVec3::Y));
+        let ground =
+            (self.has_ground() && t > 0.0 && at.x.abs() < GROUND && at.z.abs() < GROUND).then_some((t, DVec3::Y));
         let shape = self.shape(from, direction);
         let found = [ground, shape].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
         found.map(|(t, normal)| (t, if normal.dot(direction) > 0.0 { -normal } else { normal }))
