@@ -355,7 +355,21 @@ fn refined() -> Outcome {
     let pictures = stage.renderer.pictures();
     hold(!stage.renderer.is_coarse(&stage.viewer), "the last picture stays coarse")?;
     stage.settle()?;
-    hold(stage.renderer.pictures() == pictures, "it is drawn once more again and again")
+    hold(stage.renderer.pictures() == pictures, "it is drawn once more again and again")?;
+    // A picture with half the rows and columns fills the same part of the window.
+    stage.viewer.handle(Event::Acted(Action::TurnLeft));
+    stage.run(Vec::new());
+    hold(stage.renderer.step() == 2, "a large picture that moves has all pixels")?;
+    let coarse = stage.pixels()?;
+    stage.settle()?;
+    let full = stage.pixels()?;
+    hold(stage.renderer.step() == 1 && coarse.len() == full.len(), "it stays coarse")?;
+    let is_other = |(a, b): &(&[u8], &[u8])| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 40);
+    let differing = full.chunks(4).zip(coarse.chunks(4)).filter(is_other).count();
+    let turned = full.chunks(4).zip(coarse.chunks(4).rev()).filter(is_other).count();
+    println!("{differing} pixels differ, {turned} turned");
+    hold(80 * differing < full.len(), format!("{differing} pixels differ"))?;
+    hold(turned > 2 * differing, format!("negative control: {turned} pixels differ, and {differing}"))
 }
 
 fn boxes() -> Outcome {
