@@ -36,7 +36,7 @@ pub(crate) enum Failure {
     #[error(transparent)]
     Window(DesktopError),
     /// The device stopped in the middle.
-    #[error("the device {adapter} failed: {message}; nothing was written")]
+    #[error("the device {adapter} failed: {message}; no partial file is left")]
     DeviceLost { adapter: String, message: String },
     /// `verify` found what should not be.
     #[error("{}: {different} of {checked} checks found other bits than the files hold", .folder.display())]
@@ -140,5 +140,17 @@ impl Failure {
             Self::Jobs { .. } => 6,
             Self::Interrupted => crate::signals::interrupted_code(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A film and a benchmark keep the files that are complete.
+    #[test]
+    fn a_lost_device_leaves_what_is_complete() {
+        let failure = Failure::DeviceLost { adapter: "a".into(), message: "b".into() };
+        assert_eq!(failure.to_string(), "the device a failed: b; no partial file is left");
     }
 }

@@ -71,6 +71,11 @@ pub(crate) fn is_standard(name: &Path) -> bool {
     name.as_os_str() == "-"
 }
 
+/// Whether a result is there as a file. Nobody knows of standard output what it got.
+pub(crate) fn is_written(result: &Path) -> bool {
+    !is_standard(result) && result.is_file()
+}
+
 /// The files that a command reads, by identity and not by name. Results must not replace them.
 #[derive(Debug)]
 pub(crate) struct Inputs(HashMap<Identity, PathBuf>);

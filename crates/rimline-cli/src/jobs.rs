@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 
 use crate::args::{Cli, Command};
 use crate::failure::Failure;
-use crate::files::{self, Folders, Inputs, check_parent, is_standard, real_path};
+use crate::files::{self, Folders, Inputs, check_parent, is_standard, is_written, real_path};
 use crate::input_args::JobsArgs;
 use crate::output::{self, collected, complain, print, say};
 use crate::{device, lines, shadow};
@@ -70,7 +70,7 @@ impl Job {
     fn is_done(&self) -> bool {
         match &self.command {
             Command::Shadow(args) => shadow::are_written(args),
-            _ => !self.results.is_empty() && self.results.iter().all(|file| file.is_file()),
+            _ => !self.results.is_empty() && self.results.iter().all(|file| is_written(file)),
         }
     }
 }
@@ -151,7 +151,6 @@ impl Many {
     /// Runs a job, or skips it, and reports it. Returns its status.
     fn work(&self, job: &Job) -> Result<usize, Failure> {
         let begin = Instant::now();
-        let is_file = |file: &&PathBuf| file.is_file();
         let is_skipped = self.args.resume && job.is_done();
         let run = || if is_skipped { Ok(()) } else { crate::run(&job.command) };
         let (done, printed) = if self.is_json { collected(run) } else { (run(), String::new()) };
@@ -176,7 +175,7 @@ impl Many {
                 "job": job.index, "line": job.line, "files": job.files.iter().map(name).collect::<Vec<_>>(),
                 "status": STATUSES[status], "code": failure.as_ref().map_or(0, Failure::code),
                 "error": failure.map(|failure| failure.to_string()),
-                "results": job.results.iter().filter(is_file).map(name).collect::<Vec<_>>(),
+                "results": job.results.iter().filter(|file| is_written(file)).map(name).collect::<Vec<_>>(),
                 "milliseconds": begin.elapsed().as_secs_f64() * 1e3, "report": serde_json::from_str::<Value>(&printed).ok(),
             });
             print(&format!("{report}\n"))?;
@@ -276,6 +275,11 @@ impl Many {
             if let Some(word) = words(&name).find(|word| !PATTERNS.contains(word)) {
                 let known = PATTERNS.join(", ");
                 let problem = format!("--{option} has `{word}`, which stands for nothing; write {known}");
+                return Err(self.wrong(line, &problem));
+            }
+            if option == "out" && name != "-" && !files.is_empty() && filled(&name, &parts) == "-" {
+                let problem =
+                    format!("--out {name} would be `-`, which is standard output; give another name, or --out -");
                 return Err(self.wrong(line, &problem));
             }
         }

@@ -79,10 +79,7 @@ fn archives(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
 
 /// The devices that `--device` asks for, and why others that are there cannot be used.
 fn open(wanted: &str) -> Result<(Vec<Device>, Vec<String>), Failure> {
-    let wanted = match wanted {
-        "all" => Wanted::Auto,
-        other => other.into(),
-    };
+    let wanted = if wanted.eq_ignore_ascii_case("all") { Wanted::Auto } else { wanted.into() };
     if wanted == Wanted::Cpu {
         return Ok((vec![Device::Cpu], Vec::new()));
     }

@@ -313,6 +313,8 @@ mod tests {
     /// Such branches made Mesa's software Vulkan compile shaders anew in each frame, and keep all of them: a megabyte a frame.
     #[test]
     fn nothing_branches_on_uniforms_alone() {
+        let of_command = concat!(env!("CARGO_MANIFEST_DIR"), "/../rimline-cli/src/shadow/depth_overlay.wgsl");
+        let of_command = std::fs::read_to_string(of_command).expect("the command has an overlay of maps");
         let sources = [
             include_str!("common.wgsl"),
             include_str!("scene.wgsl"),
@@ -320,13 +322,21 @@ mod tests {
             include_str!("ground.wgsl"),
             include_str!("picture.wgsl"),
             include_str!("overlay.wgsl"),
+            of_command.as_str(),
         ];
         let branches = |text: &str| {
-            let conditions = text.lines().filter_map(|line| line.trim_start().strip_prefix("if ("));
-            // A function without arguments reads nothing else. Both sides of `||` and `&&` are branches.
+            // Both sides of `||` and `&&` are branches, also outside of conditions.
+            let conditions = text.lines().map(str::trim_start).filter_map(|line| {
+                let value = || line.split_once("return ").or_else(|| line.split_once(" = "));
+                let joined =
+                    || (line.contains("||") || line.contains("&&")).then(|| value().map_or(line, |(_, of)| of));
+                line.strip_prefix("if (").or_else(joined)
+            });
+            // A function without arguments reads nothing else.
             let is_of_uniforms = |term: &str| {
-                let term = term.trim_start_matches(['!', ' ']);
-                term.contains("()") || ["frame.", "shaded.", "clay."].iter().any(|uniform| term.starts_with(uniform))
+                let term = term.trim_start_matches(['!', ' ', '(']);
+                let uniforms = ["frame.", "shaded.", "clay.", "maps."];
+                term.contains("()") || uniforms.iter().any(|uniform| term.starts_with(uniform))
             };
             let are_uniform =
                 |condition: &&str| condition.split("||").flat_map(|all| all.split("&&")).any(is_of_uniforms);
@@ -334,6 +344,7 @@ mod tests {
         };
         assert_eq!(branches("  if (shaded.range > 0.0) {\n  if (x > shaded.range) {"), ["shaded.range > 0.0) {"]);
         assert_eq!(branches("if (x > y) {\nif (x > y || !is_lit()) {"), ["x > y || !is_lit()) {"]);
+        assert_eq!(branches("return maps.maps == 0u && x > y;"), ["maps.maps == 0u && x > y;"]);
         assert_eq!(sources.iter().flat_map(|text| branches(text)).collect::<Vec<_>>(), [""; 0]);
     }
 }

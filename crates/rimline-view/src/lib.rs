@@ -12,7 +12,7 @@
 //! let mut viewer = Viewer::new(rimline_view::scenes::walking_figure()?);
 //! let mut renderer = Renderer::new(gpu)?;
 //! viewer.handle(Event::Resized([1280, 800]));
-//! renderer.draw(&viewer)?; // into `renderer.texture()`
+//! renderer.draw(&viewer)?; // into `renderer.texture()`, a pixel of which is `renderer.step()` pixels wide
 //! assert!(!renderer.is_stale(&viewer)); // nothing changed, so nothing is to be drawn
 //! # Ok(()) }
 //! ```

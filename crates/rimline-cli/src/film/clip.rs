@@ -36,6 +36,9 @@ impl Format {
 /// Most pictures a second that browsers show of a GIF.
 const GIF_FPS: f32 = 50.0;
 
+/// Most pictures a second of an animated PNG.
+const APNG_FPS: f32 = 65535.0;
+
 /// The most hundredths of a second that a GIF shows a picture.
 const GIF_DELAY: f64 = 65535.0;
 
@@ -75,6 +78,11 @@ impl<'a> Clip<'a> {
                 note(&format!(
                     "warning: programs show at most {GIF_FPS} pictures of a GIF a second, so it takes longer than it \
                      says"
+                ));
+            }
+            Format::Apng if args.fps > APNG_FPS => {
+                note(&format!(
+                    "warning: an animated PNG shows at most {APNG_FPS} pictures a second, so it takes longer than it says"
                 ));
             }
             Format::Mp4 => Ffmpeg::check().map_err(|source| {

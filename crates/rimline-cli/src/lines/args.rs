@@ -116,9 +116,9 @@ pub(crate) struct LinesArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_FRAMES))]
     pub(crate) frames: Option<u32>,
 
-    /// Drawings a second of the animation, 0.001 to 100000
-    #[arg(long, value_name = "N", default_value = "25", requires = "frames", allow_hyphen_values = true, value_parser = spec::within(1e-3, 1e5))]
-    pub(crate) fps: f32,
+    /// Drawings a second of the animation, 0.001 to 100000 [default: 25]
+    #[arg(long, value_name = "N", requires = "frames", allow_hyphen_values = true, value_parser = spec::within(1e-3, 1e5))]
+    fps: Option<f32>,
 
     /// Turn the eye in the course of the film by so many degrees to the right around what it looks at. The next drawing would be
     /// at that angle, so that a film of 360 begins again
@@ -212,6 +212,9 @@ impl LinesArgs {
         if self.unit.is_some() && !is_scaled && !in_units {
             warn("--unit", "without --scale 1:N or --dxf-units model");
         }
+        if self.fps.is_some() && self.pose.animations.is_empty() {
+            warn("--fps", "without --animation");
+        }
         if self.frames.is_some_and(|frames| frames > 1) && self.turn == 0.0 && self.pose.animations.is_empty() {
             note("warning: all drawings are the same; give --animation or --turn");
         }
@@ -236,6 +239,10 @@ impl LinesArgs {
 
     pub(crate) fn crease(&self) -> f64 {
         self.crease.unwrap_or(33.0)
+    }
+
+    pub(crate) fn fps(&self) -> f32 {
+        self.fps.unwrap_or(25.0)
     }
 
     pub(crate) fn dpi(&self) -> u32 {

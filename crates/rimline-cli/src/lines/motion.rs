@@ -97,7 +97,7 @@ impl<'a> Motion<'a> {
 }
 
 fn time_s(args: &LinesArgs, frame: u32) -> f32 {
-    args.pose.time + (f64::from(frame) / f64::from(args.fps)) as f32
+    args.pose.time + (f64::from(frame) / f64::from(args.fps())) as f32
 }
 
 fn options(args: &LinesArgs, eye: &Eye) -> LineOptions {

@@ -131,8 +131,9 @@ fn strokes(table: &Table, heading: &str) -> Result<Strokes, String> {
             }
             "dash" => {
                 let lengths: Option<Vec<f64>> = value.as_array().and_then(|all| all.iter().map(length).collect());
-                let lengths = lengths
-                    .filter(|all| all.len() <= 16 && (all.is_empty() || all.iter().sum::<f64>() >= LEAST_DASHES));
+                // The sum is rounded.
+                let is_drawn = |all: &Vec<f64>| all.is_empty() || all.iter().sum::<f64>() + 1e-9 >= LEAST_DASHES;
+                let lengths = lengths.filter(|all| all.len() <= 16 && is_drawn(all));
                 strokes.dash_mm = Some(lengths.ok_or_else(|| {
                     wrong(
                         "give lengths of dashes and gaps in millimetres, such as [1.5, 0.8], at most 16, together 0.1 at least; \
@@ -175,6 +176,7 @@ mod tests {
         style.is_fine = true;
         assert_eq!(style.pen(LineClass::Silhouette, false, Hidden::None).width_mm, 1.0);
         assert_eq!(style.pen(LineClass::Boundary, false, Hidden::None).width_mm, 0.25);
+        parse(&format!("[hidden]\ndash = {:?}", [0.01; 10])).expect("0.1 is not too short");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 // The boundary of the shadows of a depth map: its triangles as tinted glass, and lines: where what casts ends before
 // nothing, as the light sees it, and some of the rays there. Where a list overflowed, every cell is shown, as every
-// cell is drawn. Fragments are those of volumes.
+// cell is drawn. Fragments are those of volumes. No shader branches on uniforms alone (scene.wgsl).
 
 // A map as the picture's camera sees it.
 struct DepthView {
@@ -63,10 +63,6 @@ struct DepthTriangle {
   corners: array<Sample, 3>,
 }
 
-fn overflows() -> bool {
-  return cells[0] > maps.capacity;
-}
-
 // Same order as `sample_key` of the library: larger is farther.
 fn key_of(s: Sample) -> u32 {
   let bits = bitcast<u32>(s.depth);
@@ -80,21 +76,15 @@ fn key_distance(a: Sample, b: Sample) -> u32 {
 // Triangle 0 or 1 of a listed cell. Bits 30 and 31 tell which are drawn, bit 29 along which diagonal the cell is split.
 // Where the list overflowed, of any cell, unless all of it is far.
 fn triangle(number: u32, second: u32) -> DepthTriangle {
-  let is_of_all = overflows();
+  let is_of_all = cells[0] > maps.capacity;
   let entry = select(cells[min(1u + number, arrayLength(&cells) - 1u)], number, is_of_all);
-  var rest = entry & 0x1fffffffu;
-  var map = 0u;
-  var first = vec2<i32>(0);
-  if (maps.maps > 1u) {
-    let side = maps.size.x - 1u;
-    map = min(rest / (side * side), 5u);
-    rest = rest % (side * side);
-    first = vec2<i32>(vec2<u32>(rest % side, rest / side));
-  } else {
-    let across = maps.size.x + 1u;
-    // Sample (0, 0) is beside the first texel.
-    first = vec2<i32>(vec2<u32>(rest % across, rest / across)) - 1;
-  }
+  // The only map has cells all around, too: sample (0, 0) is beside the first texel.
+  let is_cube = maps.maps > 1u;
+  let across = select(maps.size.x + 1u, maps.size.x - 1u, is_cube);
+  let cells_of_map = select(0xffffffffu, across * across, is_cube);
+  let map = min((entry & 0x1fffffffu) / cells_of_map, 5u);
+  let cell = (entry & 0x1fffffffu) % cells_of_map;
+  let first = vec2<i32>(vec2<u32>(cell % across, cell / across)) - select(vec2<i32>(1), vec2<i32>(0), is_cube);
   var is_split = (entry & 0x20000000u) != 0u;
   var is_drawn = number + 1u < arrayLength(&cells) && (entry & (0x40000000u << second)) != 0u;
   if (is_of_all) {
@@ -139,13 +129,14 @@ fn wall_clip(number: u32, corner: u32) -> vec4<f32> {
   return view.across * ndc.x - view.up * ndc.y + view.depth * device + view.middle;
 }
 
-fn is_wall() -> bool {
-  return maps.maps == 0u && !overflows();
+// `listed`: how many cells or walls there are.
+fn are_walls(listed: u32) -> bool {
+  return (maps.maps == 0u) & (listed <= maps.capacity);
 }
 
 @vertex fn depth_volumes_vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
   let vertex = index % 6u;
-  if (is_wall()) {
+  if (are_walls(cells[0])) {
     return wall_clip(index / 6u, select(vertex, select(0u, vertex - 2u, vertex > 3u), vertex >= 3u));
   }
   var drawn = triangle(index / 6u, vertex / 3u);
@@ -164,7 +155,7 @@ fn is_wall() -> bool {
     return nothing;
   }
   // The four sides of a wall.
-  if (is_wall()) {
+  if (are_walls(cells[0])) {
     return Edge(wall_clip(index / 6u, (vertex / 2u + vertex % 2u) % 4u), 0.4);
   }
   var drawn = triangle(index / 6u, vertex / 4u);

@@ -20,7 +20,7 @@ use super::shadows::{Found, each};
 use crate::coordinates;
 use crate::device::{GpuError, describe};
 use crate::failure::Failure;
-use crate::files::{Inputs, check_ending, is_same_file};
+use crate::files::{Inputs, check_ending, is_same_file, is_written};
 use crate::image::wrote;
 use crate::output::{Filled, Line, Output};
 use crate::report::{self, Lines, Times};
@@ -284,7 +284,7 @@ pub(crate) fn files(args: &ShadowArgs) -> Vec<PathBuf> {
 
 /// Whether all files are there. Only where they may be, the model is read to know how many lights it has.
 pub(crate) fn are_written(args: &ShadowArgs) -> bool {
-    let are_there = |of_file| files_with(args, of_file).iter().all(|file| file.is_file());
+    let are_there = |of_file| files_with(args, of_file).iter().all(|file| is_written(file));
     if args.scene.lights.iter().all(|light| light.light != LightSpec::All) {
         return are_there(0);
     }

@@ -26,7 +26,7 @@ const MOMENT: f32 = 0.37;
 
 pub(super) fn run(args: &VerifyArgs, folder: &Path) -> Result<(), Failure> {
     let wanted = args.device.as_deref().unwrap_or("cpu");
-    if wanted == "all" {
+    if wanted.eq_ignore_ascii_case("all") {
         return Err(Failure::usage("--make computes on one device; give --device gpu, cpu or a name"));
     }
     check_folder(folder, "--make writes a folder of archives; give the name of a folder")?;

@@ -221,8 +221,8 @@ impl Drop for Panel {
 /// Adds the time of a frame in seconds to the milliseconds of those before. A window that was hidden meanwhile, or a page in
 /// the background, drew none.
 fn note(history: &mut VecDeque<f32>, passed: f32) {
-    const HIDDEN: f32 = 5.0;
-    if passed < HIDDEN {
+    const LONGEST: f32 = 5.0;
+    if passed < LONGEST {
         history.truncate(HISTORY - 1);
         history.push_front(passed * 1e3);
     }
@@ -305,7 +305,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_window_that_was_hidden_leaves_no_frame_time() {
+    fn a_window_out_of_sight_leaves_no_frame_time() {
         let mut history = VecDeque::new();
         for passed in [0.25, 3600.0, 0.5] {
             note(&mut history, passed);

@@ -82,7 +82,8 @@ impl Renderer {
         &self.gpu
     }
 
-    /// The last picture, of format `Rgba8Unorm` and encoded as sRGB. `None`: none was drawn.
+    /// The last picture, of format `Rgba8Unorm` and encoded as sRGB. Its pixels are [`Self::step`] pixels of the window wide
+    /// and high. `None`: none was drawn.
     pub fn texture(&self) -> Option<&wgpu::TextureView> {
         self.canvas.as_ref().map(|canvas| &canvas.picture)
     }

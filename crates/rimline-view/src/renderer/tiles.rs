@@ -8,7 +8,7 @@ use super::canvas::Canvas;
 
 /// Bands of half an octave of distance, and nothing where no surface receives.
 const SOURCE: &str = "
-@group(1) @binding(0) var depths: DEPTHS;
+@group(1) @binding(0) var depths: TEXTURE;
 
 @fragment fn receivers_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
   let first = vec2<i32>(at.xy) & vec2<i32>(-8);
@@ -20,7 +20,7 @@ const SOURCE: &str = "
     for (var x = first.x; x < end.x; x++) {
       // Turns: SAMPLES.
       for (var number = 0; number < SAMPLES; number++) {
-        let depth = textureLoad(depths, vec2<i32>(x, y), number);
+        let depth = textureLoad(depths, vec2<i32>(x, y), number).x;
         farthest = select(farthest, min(farthest, depth), depth > 0.0);
       }
     }
@@ -34,6 +34,9 @@ const SOURCE: &str = "
 }
 ";
 
+/// Textures of one sample and of several. Depth is read as floats, because OpenGL loads no texels of depth textures.
+const TEXTURES: [&str; 2] = ["texture_2d<f32>", "texture_multisampled_2d<f32>"];
+
 /// Draws the farthest receiver of each tile of 8 × 8 pixels.
 pub(super) struct Tiles {
     layout: wgpu::BindGroupLayout,
@@ -44,9 +47,10 @@ impl Tiles {
     /// On pictures of a format.
     pub(super) fn new(resources: &Resources, format: PictureFormat) -> Self {
         let multisampled = format.samples > 1;
-        let texture = if multisampled { "texture_depth_multisampled_2d" } else { "texture_depth_2d" };
-        let source = SOURCE.replace("DEPTHS", texture).replace("SAMPLES", &format.samples.to_string());
-        let (sample_type, view_dimension) = (wgpu::TextureSampleType::Depth, wgpu::TextureViewDimension::D2);
+        let texture = TEXTURES[usize::from(multisampled)];
+        let source = SOURCE.replace("TEXTURE", texture).replace("SAMPLES", &format.samples.to_string());
+        let sample_type = wgpu::TextureSampleType::Float { filterable: false };
+        let view_dimension = wgpu::TextureViewDimension::D2;
         let layout =
             resources.factory.layout(&[wgpu::BindingType::Texture { sample_type, view_dimension, multisampled }]);
         let groups = [&layout];
@@ -58,5 +62,15 @@ impl Tiles {
     pub(super) fn draw(&self, encoder: &mut wgpu::CommandEncoder, resources: &Resources, canvas: &Canvas) {
         let group = resources.factory.group(&self.layout, &[wgpu::BindingResource::TextureView(&canvas.depth)]);
         resources.factory.draw(&mut canvas.pass(encoder), &self.pipeline, &[&group], 3);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn opengl_can_load_the_depth() {
+        assert!([SOURCE].iter().chain(&TEXTURES).all(|text| !text.contains("texture_depth")));
     }
 }

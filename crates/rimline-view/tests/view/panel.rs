@@ -342,7 +342,26 @@ fn other_shapes() -> Outcome {
     // The panel takes a part of the window, and the picture is of what is left.
     stage.viewer.handle(Event::Acted(Action::ResetCamera));
     stage.settle()?;
-    hold(stage.viewer.size() != SIZE && is_all_seen(&stage.viewer), "the panel covers a part of what is to be seen")
+    hold(stage.viewer.size() != SIZE && is_all_seen(&stage.viewer), "the panel covers a part of what is to be seen")?;
+    moving(&mut stage)
+}
+
+/// While it moves, a large picture has half the rows and columns, and fills the same part of the window.
+fn moving(stage: &mut Stage) -> Outcome {
+    stage.viewer.handle(Event::Acted(Action::TurnLeft));
+    let output = stage.run(Vec::new());
+    stage.panel.paint(stage.renderer.gpu(), &stage.target, stage.size, &output);
+    hold(stage.renderer.step() == 2, "it has all rows and columns")?;
+    let coarse = stage.pixels()?;
+    stage.settle()?;
+    let full = stage.pixels()?;
+    hold(stage.renderer.step() == 1 && coarse.len() == full.len(), "it stays coarse")?;
+    let is_other = |(a, b): &(&[u8], &[u8])| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 40);
+    let differing = full.chunks(4).zip(coarse.chunks(4)).filter(is_other).count();
+    let turned = full.chunks(4).zip(coarse.chunks(4).rev()).filter(is_other).count();
+    println!("{differing} pixels differ, {turned} turned");
+    hold(80 * differing < full.len(), format!("{differing} pixels differ"))?;
+    hold(80 * turned > full.len(), format!("negative control: {turned} pixels differ"))
 }
 
 fn refined() -> Outcome {

@@ -13,11 +13,12 @@ use rimline_view::{
 
 use crate::support::{Outcome, block, drag, finish, gpu, handle, hold, on_ground, picture, rest, say, viewer};
 
-pub(crate) const TESTS: [Test; 14] = [
+pub(crate) const TESTS: [Test; 15] = [
     ("a light dragged moves its shadow to where rays say", a_light_dragged_moves_its_shadow),
     ("a light with an area has soft shadows", soft_shadows),
     ("a spot lights a circle that is dragged", spots),
     ("a still viewer draws nothing", a_still_viewer_draws_nothing),
+    ("a large picture that moves has half the rows and columns of the full one", a_moving_picture_is_coarse),
     ("a state that cannot be drawn leaves the last picture, of its size", a_failure_leaves_the_last_picture),
     ("counting methods and levels of skipping change no picture", switches_change_no_picture),
     ("a model that nothing seen needs is left out, if that is wanted", casters_that_are_not_needed),
@@ -213,6 +214,35 @@ fn a_still_viewer_draws_nothing() -> Outcome {
     hold(renderer.pictures() == 1, "more than one picture was drawn")?;
     viewer.handle(Event::Acted(Action::TurnLeft));
     hold(renderer.draw(&viewer).map_err(say)?, "turning drew no picture")
+}
+
+/// On a software device, which that of the tests is said to be.
+fn a_moving_picture_is_coarse() -> Outcome {
+    let (mut viewer, mut renderer) = viewer(scenes::still_life, [520, 512])?;
+    viewer.options.samples = 1;
+    let coarse = picture(&viewer, &mut renderer)?;
+    hold(coarse.size == [260, 256] && renderer.step() == 2, format!("{:?}", coarse.size))?;
+    hold(renderer.is_coarse(&viewer) && !renderer.is_stale(&viewer), "it does not stay for refinement")?;
+    renderer.refine(&viewer).map_err(say)?;
+    let full = picture(&viewer, &mut renderer)?;
+    hold(full.size == [520, 512] && renderer.step() == 1, format!("{:?}", full.size))?;
+    hold(!renderer.is_coarse(&viewer) && renderer.pictures() == 2, "it was not refined once")?;
+    // Four pixels of the full picture against one, which may be mirrored.
+    let differing = |is_mirrored: bool| {
+        let pixels = (0..256).flat_map(|y| (0..260).map(move |x| [x, y]));
+        let is_other = |&[x, y]: &[u32; 2]| {
+            let four = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[i, j]| sum(&full, [2 * x + i, 2 * y + j]));
+            let at = [if is_mirrored { 259 - x } else { x }, y];
+            (four.iter().sum::<i32>() - 4 * sum(&coarse, at)).abs() > 400
+        };
+        pixels.filter(is_other).count()
+    };
+    let (differing, mirrored) = (differing(false), differing(true));
+    println!("{differing} pixels differ, {mirrored} mirrored");
+    hold(differing < 2000, format!("{differing} pixels differ"))?;
+    hold(mirrored > 2000, format!("negative control: {mirrored} pixels differ"))?;
+    viewer.handle(Event::Acted(Action::TurnLeft));
+    hold(renderer.draw(&viewer).map_err(say)? && renderer.step() == 2, "it is not coarse when it moves again")
 }
 
 fn a_failure_leaves_the_last_picture() -> Outcome {
