@@ -86,7 +86,7 @@ pub enum DeformError {
     #[error("the device refuses the displacement with the layout given: {message}")]
     Pipeline { message: String },
     /// The device cannot use the bind group of the displacement. For example it has another layout than the deformer was
-    /// made with, is of another device, or binds a buffer that was destroyed.
+    /// made with, or is of another device. A buffer of it that was destroyed is wgpu's error when the encoder is submitted.
     #[error(
         "the device refuses the displacement's bind group; make it with `DeformerOptions::displacement_layout`: {message}"
     )]

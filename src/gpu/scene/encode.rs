@@ -32,7 +32,7 @@ impl Scene {
     /// submitted after a later one. Memory is kept for the most views of an encode so far.
     ///
     /// # Errors
-    /// [`ShadowError`] if a camera or its [`View::depth`] is refused, a buffer of a caster or a displacement was destroyed,
+    /// [`ShadowError`] if a camera or its [`View::depth`] is refused, a buffer of a caster was destroyed,
     /// the scene does not fit the device or the memory limit, or the device is lost or not the timer's. Nothing is recorded
     /// then, and the next encode is not affected.
     pub fn encode(

@@ -111,8 +111,6 @@ impl Scene {
         view_lights.extend(view_lights.is_empty().then(ViewLight::zeroed));
         let (states, step) =
             self.needs_step(&frame, [bytemuck::cast_slice(&view_lights), bytemuck::cast_slice(&records)])?;
-        // Buffers of displacements may have been destroyed since.
-        self.models.values().try_for_each(|model| model.deformer.check_resources(model.resources.as_ref()))?;
         let uniforms = self.models.values().map(|model| model.deformer.uniforms(model.time_s)).collect();
         Ok(Some(Needs { states, step, uniforms }))
     }
