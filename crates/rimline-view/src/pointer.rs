@@ -18,7 +18,7 @@ pub(crate) struct Pointer {
     pub(crate) modifiers: Modifiers,
 }
 
-/// What was last heard of mice and pens.
+/// The last state of mice and pens.
 #[derive(Debug, Default)]
 pub(crate) struct Pointers {
     at: Pos2,

@@ -232,7 +232,7 @@ pub(super) struct ResultFiles {
     /// Not open: a process may have a thousand files open, and there may be as many lights.
     pub(super) masks: Vec<PathBuf>,
     pub(super) maps: Vec<PathBuf>,
-    /// Those that are complete. They take their places together.
+    /// The files that are complete. They take their places together.
     pub(super) filled: Vec<Filled>,
     /// Names of picture and masks, and names of maps.
     pub(super) names: [Vec<PathBuf>; 2],
