@@ -81,8 +81,11 @@ fn survives() -> Result<(), String> {
         let [map, copy] = pair.map(|bits| (f64::from(f32::from_bits(bits)) * 65535.0).round());
         copy == map
     };
-    for (samples, part) in
-        [1, 4].into_iter().flat_map(|samples| (0..if is_long() { 16 } else { 1 }).map(move |part| (samples, part)))
+    // With wgpu 30, OpenGL has no textures of several samples that shaders read.
+    let is_opengl = gpu.device.adapter_info().backend == wgpu::Backend::Gl;
+    let samples: &[u32] = if is_opengl { &[1] } else { &[1, 4] };
+    for (&samples, part) in
+        samples.iter().flat_map(|samples| (0..if is_long() { 16 } else { 1 }).map(move |part| (samples, part)))
     {
         type Row<'a> = ([TextureFormat; 2], [u32; 2], &'a dyn Fn([u32; 2]) -> bool);
         let rows: [Row<'_>; 5] = [

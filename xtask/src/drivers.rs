@@ -16,9 +16,7 @@ const TESTS: [&str; 4] = ["extract_gpu", "polygon_gpu", "query_gpu", "scene_gpu"
 /// goldens of walls, the stage `stencil_bound` against whole numbers, and depth that masks copy. Goldens of whole shadow
 /// volumes are not among them: they have near caps and choices, whose rounding is left to the driver.
 const GOLDENS: [(&str, &str); 3] =
-    [("depth_map_gpu", "are_the_goldens"), ("shadow_gpu", "stencil_bound"), ("mask_gpu", NOT_ON_OPENGL)];
-/// A test that loads texels of textures as depth, which naga does not write for OpenGL.
-const NOT_ON_OPENGL: &str = "depth_survives_the_copy";
+    [("depth_map_gpu", "are_the_goldens"), ("shadow_gpu", "stencil_bound"), ("mask_gpu", "depth_survives_the_copy")];
 /// The tests that take `SwiftShader` minutes, not more.
 const QUICK: [&str; 2] = ["extract_gpu", "scene_gpu"];
 
@@ -57,13 +55,8 @@ impl Driver {
             summary.note(&format!("on SwiftShader without {}", SLOW_ON_SWIFTSHADER.join(" and ")));
         }
         self.run(&mut driver_summary, tests, &skipped);
-        let is_opengl = self.variables.iter().any(|(_, value)| value == "gl");
         for (test, text) in goldens {
-            if is_opengl && *text == NOT_ON_OPENGL {
-                summary.note(&format!("on OpenGL without {text}"));
-            } else {
-                self.run(&mut driver_summary, &[test], &[text]);
-            }
+            self.run(&mut driver_summary, &[test], &[text]);
         }
         summary.add(&self.name, driver_summary);
     }

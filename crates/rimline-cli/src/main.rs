@@ -155,15 +155,15 @@ pub(crate) fn run(command: &Command) -> Result<(), Failure> {
         Command::Bench(args) => bench::run(args),
         #[cfg(not(feature = "bench"))]
         Command::Bench(_) => Err(Failure::usage(
-            "this build of rimline leaves `bench` out; `cargo install rimline-cli` builds one that has it, and so does \
-             `--features bench`",
+            "this build of rimline leaves `bench` out; `cargo install --path crates/rimline-cli` builds one that has it, and \
+             so does `--features bench`",
         )),
         #[cfg(feature = "view")]
         Command::View(args) => view::run(args),
         #[cfg(not(feature = "view"))]
         Command::View(_) => Err(Failure::usage(
-            "this build of rimline leaves `view` out; `cargo install rimline-cli` builds one that has it, and so does \
-             `--features view`; `rimline shadow` draws to a file",
+            "this build of rimline leaves `view` out; `cargo install --path crates/rimline-cli` builds one that has it, and \
+             so does `--features view`; `rimline shadow` draws to a file",
         )),
     }
 }

@@ -47,14 +47,15 @@ fn name(ui: &mut egui::Ui, name: &str, faces: usize) -> bool {
     ui.with_layout(layout, |ui| ui.small_button("×").on_hover_text("remove this model").clicked()).inner
 }
 
-/// How many edges are open, with advice, if some are.
+/// How many edges have other than two faces that agree, with advice, if some have.
 fn open_edges(ui: &mut egui::Ui, report: &Report) {
     let Some(advice) = report.advice() else { return };
     let kinds =
         [(report.boundary, "boundary"), (report.non_manifold, "non-manifold"), (report.inconsistent, "inconsistent")];
     let found = kinds.iter().filter(|(count, _)| *count > 0);
     let facts: Vec<String> = found.map(|(count, what)| format!("{} {what}", grouped(*count))).collect();
-    ui.colored_label(style::DIM, format!("{} edges", facts.join(", "))).on_hover_text(advice);
+    ui.colored_label(style::DIM, format!("{} edges", facts.join(", ")));
+    ui.add(egui::Label::new(egui::RichText::new(advice).small().color(style::DIM)).wrap());
 }
 
 /// A choice of the animation that plays. `number`: the model's.

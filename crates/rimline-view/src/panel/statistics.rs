@@ -26,7 +26,10 @@ pub(super) fn show(ui: &mut egui::Ui, viewer: &mut Viewer, renderer: &Renderer, 
         line(ui, "models not needed", count(scene.culled_casters));
     }
     if let Some(shadow) = &counters.shadow {
-        line(ui, "shadows skipped", grouped(shadow.skipped as usize));
+        let pairs = counters.scene.as_ref().map_or(0, |scene| scene.pairs);
+        let [drawn, skipped] =
+            [pairs.saturating_sub(shadow.skipped), shadow.skipped].map(|count| grouped(count as usize));
+        line(ui, "shadows drawn, skipped", format!("{drawn}, {skipped}"));
         let [culled, ended] = [shadow.culled_by_receivers, shadow.ended].map(|count| grouped(count as usize));
         line(ui, "without a receiver, ended", format!("{culled}, {ended}"));
         line(ui, "with near caps", grouped(shadow.near_capped as usize));

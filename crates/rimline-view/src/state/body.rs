@@ -170,15 +170,13 @@ pub struct Report {
 }
 
 impl Report {
-    /// Whether every edge has two faces that agree.
-    pub fn is_closed(&self) -> bool {
-        self.boundary == 0 && self.inconsistent == 0
-    }
-
-    /// Advice about what is open. `None`: nothing is.
+    /// Advice about edges that have other than two faces which agree. `None`: there are none.
     pub fn advice(&self) -> Option<&'static str> {
         match self {
-            report if report.is_closed() => None,
+            Self { boundary: 0, inconsistent: 0, non_manifold: 0, .. } => None,
+            Self { boundary: 0, inconsistent: 0, .. } => {
+                Some("Shadows are right, also where several parts share an edge. Nothing is to be done.")
+            }
             Self { boundary: 0, .. } => {
                 Some("Faces disagree about which side is out. Shadows are right; turn them in a modeller for outlines.")
             }
@@ -323,6 +321,17 @@ fn edge_bits(mesh: &Mesh, is_marked: impl Fn(&Edge) -> bool) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn each_kind_of_edge_has_its_advice() {
+        let advice = |boundary, non_manifold, inconsistent| {
+            Report { boundary, non_manifold, inconsistent, ..Report::default() }.advice().unwrap_or_default()
+        };
+        assert_eq!(advice(0, 0, 0), "");
+        assert!(advice(0, 1, 0).contains("share an edge"));
+        assert!(advice(0, 1, 1).contains("which side is out"));
+        assert!(advice(1, 1, 1).contains("--weld position"));
+    }
 
     #[test]
     fn edges_of_three_faces_are_marked() {

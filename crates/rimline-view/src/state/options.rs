@@ -16,7 +16,8 @@ pub struct Overlays {
     pub light_silhouettes: bool,
     /// Sides of the shadow volumes.
     pub volumes: bool,
-    /// Faces that cast: the light caps of the volumes.
+    /// Faces that cast: the light caps of the volumes. Dark caps lie where the sides end, mostly at infinity, so they have no
+    /// overlay.
     pub caps: bool,
     /// Edges of one face.
     pub boundary: bool,
