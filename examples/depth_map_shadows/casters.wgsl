@@ -1,11 +1,11 @@
-// Casters without a mesh: a distance field and a tree of cards. Behind `stage.wgsl`.
+// Casters without a mesh: a distance field, and cards that are the crown of a tree. main.rs appends it to `stage.wgsl`.
 
 struct Shaded {
   @location(0) color: vec4<f32>,
   @builtin(frag_depth) depth: f32,
 }
 
-// A direction from the eye through a place in clip space, one unit along the view.
+// The vector from the eye through a point of the picture, from -1 to 1. Its length along the direction of view is 1.
 fn direction_through(at: vec2<f32>) -> vec3<f32> {
   let m = frame.view_projection;
   let right = vec3<f32>(m[0].x, m[1].x, m[2].x);
@@ -14,7 +14,7 @@ fn direction_through(at: vec2<f32>) -> vec3<f32> {
   return forward + at.x / dot(right, right) * right + at.y / dot(up, up) * up;
 }
 
-// A ring around a ball, and a smaller ring through it.
+// The distance to a ball, a ring around it, and a smaller ring around it at a right angle to the first.
 fn distance_at(p: vec3<f32>) -> f32 {
   let q = p - vec3<f32>(1.25, 1.0, 0.5);
   let tilted = vec3<f32>(q.x, 0.8 * q.y - 0.6 * q.z, 0.6 * q.y + 0.8 * q.z);
@@ -33,7 +33,7 @@ struct Everywhere {
   return Everywhere(vec4<f32>(at, 0.0, 1.0), at);
 }
 
-// The surface of the field, less the eye.
+// The point of the surface that is seen, relative to the eye. Discards the fragment if there is none.
 fn marched(at: vec2<f32>) -> vec3<f32> {
   let towards = direction_through(at);
   let step = 1.0 / length(towards);
@@ -91,7 +91,7 @@ fn random_direction(seed: u32) -> vec3<f32> {
   return vec3<f32>(sqrt(1.0 - z * z) * cos(turn), z, sqrt(1.0 - z * z) * sin(turn));
 }
 
-// Cards in the crown, six vertices each.
+// Cards in the crown: two triangles each, at random positions and angles.
 @vertex fn card(@builtin(vertex_index) vertex: u32) -> Leaf {
   let seed = 16u * (vertex / 6u);
   let corner = array<u32, 6>(0u, 1u, 2u, 2u, 1u, 3u)[vertex % 6u];
@@ -104,7 +104,7 @@ fn random_direction(seed: u32) -> vec3<f32> {
   return Leaf(frame.view_projection * vec4<f32>(position - frame.eye, 1.0), at, position, normal);
 }
 
-// Three leaves on a card; what is beside them is transparent.
+// Whether a point of a card is on one of its three leaves. The rest of the card is discarded.
 fn is_leaf(at: vec2<f32>) -> bool {
   var found = false;
   for (var leaf = 0u; leaf < 3u; leaf++) {

@@ -1,5 +1,5 @@
-//! Shadows of what has no mesh: a ray-marched distance field and a tree of alpha-tested cards, from a depth map that
-//! the lamp sees. Boxes and the trunk cast by their meshes, into the same stencil. Writes `depth_map_shadows.png`. Run
+//! Shadows of casters without a mesh: a ray-marched distance field and a crown of alpha-tested cards, from a depth map of
+//! the lamp. Boxes and the trunk cast by their meshes, into the same stencil. Writes `depth_map_shadows.png`. Run
 //! it with `cargo run --release --example depth_map_shadows`.
 
 #[path = "../support/stage.rs"]

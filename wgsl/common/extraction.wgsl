@@ -72,8 +72,8 @@ struct ExtractionStatistics {
   // Pairs of face and light that the filter passed to exact arithmetic, and those of them whose determinant is zero.
   undecided_pairs: StatisticsWord,
   exact_zeros: StatisticsWord,
-  // Lights for which a polygon is twisted: its boundary crosses itself as seen from light L, so it has lit and dark parts.
-  // Bit n stands for the lights n, n + 32, …
+  // Lights for which a polygon is twisted: as seen from the light, its boundary crosses itself or goes around the light, or
+  // a hole is outside. Bit n stands for the lights n, n + 32, …
   twisted_lights: StatisticsWord,
 }
 

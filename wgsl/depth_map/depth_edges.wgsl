@@ -16,10 +16,10 @@
 // The marks of the pass before, which is `depth_edges_mark` or `depth_edges_continue`.
 @group(0) @binding(7) var<storage, read> edges_before: array<u32>;
 @group(0) @binding(8) var<storage, read_write> edges: array<u32>;
-// Edges of level 1, which are marked if they continue others.
+// Edges of level 1 (edge_rule.wgsl), which become marked if they continue others.
 @group(0) @binding(9) var<storage, read_write> faint_edges: array<u32>;
-// A word for 16 samples, as marks have: whether each sample casts; and 16 bits higher whether the cell to its right and
-// below it is split.
+// A word for 16 samples of a row. Bits 0 to 15: the sample casts. Bits 16 to 31: the cell to its right and below it is
+// split.
 @group(0) @binding(10) var<storage, read_write> sample_bits: array<u32>;
 
 // 0: triangles with a marked edge are drawn. 1: also those with a sample that casts, at the end of a marked edge. 2: also
@@ -127,7 +127,7 @@ fn depth_edges_continue(
 struct Borders {
   // The position in the map of the sample of bit 0.
   in_map: vec2<i32>,
-  // Samples of a row, 13 or more, that are in the first or last column of the map, or outside it.
+  // A bit for each sample of a row that is in the first or last column of the map, or outside it.
   columns: u32,
 }
 
@@ -146,7 +146,7 @@ fn edge_ends_of_row(marks: vec2<u32>, down_above: u32, borders: Borders, row: i3
   return marks.x | (marks.x << 1u) | marks.y | down_above | select(borders.columns, 0xffffffffu, is_border);
 }
 
-// Moves each bit of eight to the lowest of four bits of its own.
+// Moves bit n of eight bits to bit 4 n.
 fn spread_bits(bits: u32) -> u32 {
   let fours = (bits & 0x0fu) | ((bits & 0xf0u) << 12u);
   let pairs = (fours & 0x00030003u) | ((fours & 0x000c000cu) << 6u);
@@ -157,7 +157,7 @@ fn spread_bits(bits: u32) -> u32 {
 struct RowOfSamples {
   // Marked edges to the right (x) and down (y).
   marks: vec2<u32>,
-  // Samples at the ends of marked edges.
+  // The result of `edge_ends_of_row`. 0 if RINGS is 0.
   edge_ends: u32,
 }
 

@@ -1,7 +1,7 @@
 // The boundary between light and shadow: its triangles and their vertices, and whether a point is behind it. Stage
 // `depth_surface` draws it once for each stencil bit (`DepthMapFrame::draw`, in the caller's render pass after the eye's
 // depths): fragments before what the eye sees invert the bit. `depth_walls`, which draws walls over contours instead,
-// imports this file for its near cap and its views.
+// imports this file for `cells`, `views` and the near cap.
 // Triangles lie between samples, so the boundary has one depth in each direction from the light. A bias moves samples away
 // from the light; far ones are at infinity (w is 0 in the world, not in clip space). The near rectangle, where rays of the
 // eye begin, is the part of the eye's near plane in the picture. Draws bind what edge_code.wgsl has, `cells` and `views`.
@@ -18,7 +18,7 @@ struct DepthMapView {
   down: vec4<f32>,
   depth: vec4<f32>,
   middle: vec4<f32>,
-  // The same for points at infinity, away from the light.
+  // The same for points at infinity, away from the light: columns for x, y and 1.
   far_across: vec4<f32>,
   far_down: vec4<f32>,
   far_middle: vec4<f32>,
@@ -26,9 +26,9 @@ struct DepthMapView {
   near_across: vec4<f32>,
   near_up: vec4<f32>,
   near_middle: vec4<f32>,
-  // x, y, z: the depth at infinity, for the same terms as `far_across`. w: 1 for a parallel light, which has none.
+  // x, y, z: the factors of x, y and 1 in the depth at infinity. w: 1 for a parallel light, which has no such depth.
   infinity: vec4<f32>,
-  // The bias. x: for each unit of slope; y: a share of the depth; z: a constant.
+  // The bias is the sum of x times the slopes, y times the depth, and z.
   bias: vec4<f32>,
 }
 
@@ -227,8 +227,8 @@ fn locate_near_point(near_position: vec2<f32>) -> NearPoint {
   return NearPoint(is_inside, face, lattice, point.z / point.w);
 }
 
-// Whether a point is behind the triangle in its direction, which is the one that a draw of every cell has there. No point is
-// behind a triangle of a parallel light with a far sample.
+// Whether a point is behind the triangle in its direction from the light, even if the triangle is not drawn. For a parallel
+// light no point is behind a triangle with a far sample.
 fn is_behind_triangle(point: NearPoint) -> bool {
   var corner = vec2<u32>(0u);
   var cell = floor(point.lattice);

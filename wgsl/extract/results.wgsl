@@ -15,8 +15,8 @@ struct RimlineInfo {
   // The word of vertex 0 in the bound positions, and the words from one vertex to the next.
   position_offset: u32,
   position_stride: u32,
-  // The offset of the twisted masks behind the facing masks: for each face the lights for which its polygon's boundary
-  // crosses itself. 0: there are none.
+  // The offset of the twisted masks behind the facing masks: for each face the lights for which its polygon is
+  // twisted. 0: there are none.
   twisted_offset: u32,
   // Vertices of the draw for each edge, by `ListOptions::topology`.
   vertices_per_edge: u32,

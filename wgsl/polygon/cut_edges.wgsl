@@ -1,13 +1,13 @@
-// Cut edges: lists the pieces of twisted polygons, whose boundaries cross themselves as seen from light L. A piece is a
-// part of an edge between neighbouring cuts or ends, directed so that the polygon's shadow is on its left. Four passes for
-// each batch, after `polygon_masks`, for shadow volumes only; the later ones read in `pieces` what earlier ones wrote.
-// `cut_edges`, a workgroup for each entry of `polygon_masks`, finds the cuts of each edge. `cut_edges_rank`, a workgroup for
-// 8 cuts, counts the cuts of the edge before each. `cut_edges_before`, an invocation for each cut, finds the cut right
-// before. `cut_edges_list`, likewise, writes the piece between both. Pieces come in any order; polygon/list_pieces.wgsl
-// names their readers. Cutting edges and dark sides are exact; orders are, except where `is_before` rounds, and where
-// rounded fractions replace the ranks (`has_equal_ranks`). At each point as many pieces begin as end, bit for bit, so
-// crossing edges must agree on order and point. `Turns:` above a loop is its most iterations. Claims:
-// docs/numerics/twisted-polygons.md.
+// Cut edges: lists the pieces of twisted polygons. As seen from light L, the boundary of a twisted polygon crosses itself
+// or goes around the light, or a hole is outside. A piece is a part of an edge between neighbouring cuts or ends, directed
+// so that the polygon's shadow is on its left. Four passes for each batch, after `polygon_masks`, for shadow volumes only;
+// the later ones read in `pieces` what earlier ones wrote. `cut_edges`, a workgroup for each entry that `polygon_masks`
+// lists, finds the cuts of each edge. `cut_edges_rank`, a workgroup for 8 cuts, counts the cuts of the edge before each.
+// `cut_edges_before`, an invocation for each cut, finds the cut right before. `cut_edges_list`, likewise, writes the piece
+// between both. Pieces come in any order; polygon/list_pieces.wgsl names their readers. Cutting edges and dark sides are
+// exact; orders are, except where `is_before` rounds, and where rounded fractions replace the ranks (`has_equal_ranks`). At
+// each point as many pieces must begin as end, bit for bit, so crossing edges must agree on order and point. `Turns:` above
+// a loop is its most iterations. Claims: docs/numerics/twisted-polygons.md.
 
 #import common/exact_sign
 #import common/order_keys
@@ -19,8 +19,8 @@
 
 @group(0) @binding(8) var<storage, read> faces: array<u32>;
 
-// Bit 0: the number of the polygon's triangles and overlapping edges that lie, as seen from the light, beside the end of the
-// edge on its left is odd. An element for each invocation; for a large boundary, whose invocations share an edge, the first.
+// 1: as seen from the light, an odd number of the polygon's triangles and overlapping edges lie beside the end of the edge,
+// on its left. An element for each invocation; for a large boundary, whose invocations share an edge, the first.
 var<workgroup> parities: array<atomic<u32>, 64>;
 // The window of bits of the boundary's corners: EXPONENT_LIMIT minus its begin, and its end, so that both
 // are maxima. Elements as for `parities`.
@@ -36,13 +36,13 @@ const RANK_LANES: u32 = 8u;
 // The most cuts of an edge that are compared pairwise. More have the order of their rounded fractions.
 const MOST_ORDERED: u32 = 256u;
 
-// How an edge overlaps another on the same line. Sides and ends are those seen in ascending direction.
+// How an edge f overlaps an edge e on the same line in space. Sides and ends are those in ascending direction (`is_below`).
 struct Overlap {
-  // It ends within the other edge and cuts it there.
+  // The upper end of f is within e, and f cuts e there.
   is_cut: bool,
-  // It lies beside the end of the other edge, on the left by that edge's own direction.
+  // f lies beside the end of e, on the left in the direction of e.
   is_left_at_end: bool,
-  // The upper end of the edge that overlaps.
+  // The upper end of f.
   end: vec3<u32>,
 }
 
@@ -61,20 +61,20 @@ fn overlap_in_line(f: Edge, f_index: u32, e: Edge, e_index: u32) -> Overlap {
   return Overlap(is_cut, is_left, upward_f.b);
 }
 
-// Whether edges from p to q and `e`, which must be on one line in space, have the same direction.
+// Whether the edge from p to q has the direction of edge `e`. Both must be on one line in space.
 fn has_same_direction(p: vec3<u32>, q: vec3<u32>, e: Edge) -> bool {
   let is_ascending = order_keys(p) < order_keys(q);
   return any((p != q) & (e.a != e.b) & (is_ascending == (order_keys(e.a) < order_keys(e.b))));
 }
 
-// The edges that an invocation finds to cut its edge, a bit each. For a large boundary it tests every 64th edge: bit n is
-// edge 64 n + lane.
+// The edges that cut the edge of an invocation, a bit each: bit n is edge n. For a large boundary the invocation tests every
+// 64th edge, and bit n is edge 64 n + lane.
 struct FoundCuts {
   cuts: u32,
-  // The cuts that have an end on it, in space, and those of which it is the second end.
+  // The cutting edges with an end on the invocation's edge, in space, and those of them whose second end it is.
   touching: u32,
   touching_second_end: u32,
-  // The two bits of `tie` of each cut.
+  // Bits 0 (x) and 1 (y) of the `tie` of each cut.
   ties: vec2<u32>,
   // The window of bits of the corners of its own edge and the tested ones: begin and end.
   span: vec2<i32>,
@@ -107,11 +107,11 @@ fn points_of_test(e: Edge, corners: array<vec3<u32>, 3>, is_edge: bool, test: u3
 // How an edge cuts another.
 struct EdgeCut {
   is_cut: bool,
-  // An end of the cutting edge is on the other edge, in space.
+  // An end of the cutting edge is on the line of the other edge, in space.
   is_touching: bool,
-  // Whether it is the second end, if so.
+  // If it touches: the end is the second one.
   is_second_end: bool,
-  // Edges on the same line: the other one lies beside the end of the edge that is cut, on its left.
+  // For edges on the same line: `Overlap::is_left_at_end`.
   is_left_at_end: bool,
 }
 
@@ -122,7 +122,7 @@ fn cut_by_edge(f: Edge, f_index: u32, e: Edge, e_index: u32, signs: vec4<i32>) -
     return EdgeCut(overlap.is_cut, true, all(overlap.end == f.b), overlap.is_left_at_end);
   }
   let is_touching = signs.z == 0 || signs.w == 0;
-  // Points on the line of the edge are on its right, in ascending direction.
+  // Points on the line of `e` count as right of it, in ascending direction.
   let left = select(vec2<bool>(signs.z >= 0, signs.w >= 0), vec2<bool>(signs.z > 0, signs.w > 0), is_below(e.a, e.b));
   let is_crossing = signs.x * signs.y < 0 && left.x != left.y && (is_touching || signs.z == signs.y);
   return EdgeCut(is_crossing, is_touching, signs.w == 0, false);
@@ -141,8 +141,9 @@ fn is_triangle_beside_end(corners: array<vec3<u32>, 3>, e: Edge, signs: array<i3
   return signs[0] != 0 && all(sides == vec3<i32>(signs[0]));
 }
 
-// Finds the edges that cut the invocation's edge, and the parity of triangles and overlapping edges beside its end on
-// its left: it flips `parities` for each. One loop runs over edges, then over triangles, so that `turn` is compiled once.
+// Finds the edges that cut the invocation's edge. It also flips the element of `parities` for each triangle and overlapping
+// edge beside the end of that edge, on its left. One loop runs over edges, then over triangles, so that `turn` is compiled
+// once.
 fn find_cuts(boundary: PolygonBoundary, work: Work, lane: u32) -> FoundCuts {
   let slot = select(lane, 0u, work.is_large);
   let step = select(1u, BOUNDARY_LANES, work.is_large);
@@ -171,7 +172,7 @@ fn find_cuts(boundary: PolygonBoundary, work: Work, lane: u32) -> FoundCuts {
     var tie = IN_LINE;
     // Turns: CUT_TESTS in all.
     for (var test = 0u; test < select(7u, 4u, is_edge); test++) {
-      // The second end decides for a side only if the first is on its line.
+      // For a side of a triangle, e.a decides only if e.b is on the side's line.
       if (!is_edge && test > 0u && test % 2u == 0u && signs[test - 1u] != 0) {
         continue;
       }
@@ -362,8 +363,8 @@ fn cut_edges_before(
   pieces.words[stored.offset + EARLIER_COUNT] = earlier;
 }
 
-// The point of a cut: `corner` for the end, the end that touches, or the point where both edges cross as seen from the
-// light.
+// The point of a cut: the end that touches, or the point where both edges cross as seen from the light. `corner`: the end
+// of the edge that stands for CORNER.
 fn cut_point(edge: CutEdge, cut: Cut, corner: vec3<u32>) -> vec3<u32> {
   if (cut.cutting_edge == CORNER) {
     return corner;
@@ -386,7 +387,7 @@ fn cut_edges_list(
   }
   let light = stored.row.light;
   if (!stored.has_row) {
-    // The list is too short, which its count shows. Until the list is made again, this is a piece without length.
+    // The list is too short for the row, which its count shows. A piece without length replaces the record.
     write_piece(light, stored.index, vec3<u32>(0u), vec3<u32>(0u), false, vec3<u32>(0u));
     return;
   }

@@ -1,10 +1,11 @@
-// The lists of pieces of twisted polygons, and the points where edges cross, for `cut_edges` and `cut_quads`. The boundary
-// of a twisted polygon crosses itself as seen from light L. A piece is a part of a boundary edge, directed so that the
-// shadow is on its left as seen from the light. All pieces of a polygon are the border of its shadow. The counts are cleared
-// for each batch of up to 32 lights before `cut_edges`. `piece_crossings`, `piece_arguments` and the vertex shaders of
-// shadow/piece_volumes.wgsl read the lists. A list has no particular order. The count of a full list still grows, so
-// that readers notice the overflow. Points are rounded, but all pieces at a crossing must have the same bits:
-// `crossing_point` does not depend on the order of its edges. Claims: docs/numerics/twisted-polygons.md.
+// The lists of pieces of twisted polygons, and the points where edges cross, for `cut_edges` and `cut_quads`. As seen from
+// light L, the boundary of a twisted polygon crosses itself or goes around the light, or a hole is outside. A piece is a
+// part of a boundary edge, directed so that the shadow is on its left as seen from the light. All pieces of a polygon are
+// the border of its shadow. The counts are cleared for each batch of up to 32 lights before `cut_edges`. `piece_crossings`,
+// `piece_arguments` and the vertex shaders of shadow/piece_volumes.wgsl read the lists. A list has no particular order. The
+// count of a full list still grows, so that readers notice the overflow. Points are rounded, but all pieces at a crossing
+// must have the same bits: `crossing_point` does not depend on the order of its edges. Claims:
+// docs/numerics/twisted-polygons.md.
 
 #import common/determinant
 #import extract/one_caster

@@ -18,8 +18,8 @@
 @group(0) @binding(1) var<storage, read> view_lights: array<ViewLight>; // For each view all lights.
 @group(0) @binding(2) var<storage, read> table: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read> boxes: array<u32>;
-// For each group and batch the lights for which a polygon of its only caster is twisted: its boundary crosses itself as
-// seen from light L. 0 for casters of triangles.
+// For each group and batch the lights for which a polygon of its only caster is twisted: as seen from the light, its
+// boundary crosses itself or goes around the light, or a hole is outside. 0 for casters of triangles.
 @group(0) @binding(4) var<storage, read> twisted_lights: array<u32>;
 @group(0) @binding(5) var<storage, read_write> choices: array<atomic<u32>>; // Choices of all casters, then their measures.
 @group(0) @binding(6) var<storage, read_write> shadow_statistics: ShadowStatistics;

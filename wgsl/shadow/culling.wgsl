@@ -1,10 +1,9 @@
 // Tests by which casters and volumes are culled before anything is drawn: by light range, by view and by receivers. A
 // further test is whether a box or face may lie between light and near rectangle. The near rectangle is what the camera
-// sees of the near plane. A box is the axis-aligned box of a caster, and its volume is the shadow volume of the whole
-// box.
-// `counting_methods` calls all of them but `is_box_outside_view`, `caps` calls `pyramid_planes` and `are_negative`, and
-// `needs` the tests by range and view. Every test has slack above its rounding errors. It says that a box or volume is
-// outside only if this is certain, so nothing visible is culled. docs/numerics/shadow-volumes.md, "Slack of culling", and
+// sees of the near plane. A box is the axis-aligned box of a caster, and its volume is the shadow volume of the whole box.
+// `counting_methods` calls all of them but `is_box_outside_view`. `caps` tests faces by `pyramid_planes`, and `needs` calls
+// the tests by range and view. Every test has slack above its rounding errors. It says that a box or volume is outside only
+// if this is certain, so nothing visible is culled. docs/numerics/shadow-volumes.md, "Slack of culling", and
 // docs/numerics/receivers.md, "Volumes without a receiver".
 
 #import common/casters
@@ -12,7 +11,7 @@
 #import shadow/shadow
 
 // The slack of all tests, relative to the terms of a value: the sum of the absolute values of the terms that the value is a
-// sum of. It is far above their rounding errors. Functions and variables named `…_terms` give upper bounds on terms.
+// sum of. It is above their rounding errors. Functions and variables named `…_terms` give upper bounds on terms.
 const SLACK: f32 = 4e-6;
 
 // Whether values are certainly negative: beyond the slack. Values that are not finite are not. Tests bits, like `is_finite`.
@@ -147,11 +146,12 @@ fn load_receiver_corner(offset: u32) -> vec3<f32> {
     bitcast<f32>(receivers[offset + 2u]));
 }
 
-// How far a volume may go until it has left the box of the receivers. Below, V is a vertex, and d is its `extrusion`.
+// Where a volume has left the box of the receivers. V is a vertex of the caster's box, and d is its `extrusion`.
 struct VolumeExtent {
-  has_no_receiver: bool, // No receiver is farther from the light than any point of the caster.
-  // Point light: the smallest factor of the light in the far vertex d + factor * light. 0 if there is no limit.
-  // Light at infinity: the largest factor of d in the far vertex V + factor * d. Negative if there is no limit.
+  has_no_receiver: bool, // Every receiver is nearer to the light than every point of the caster's box.
+  // The far vertex with this factor is behind all receivers.
+  // * Point light: it is d + factor * light. 0: there is no limit.
+  // * Light at infinity: it is V + factor * d. Negative: there is no limit.
   factor: f32,
 }
 
@@ -310,7 +310,7 @@ fn end_behind_receivers(
   return select(0.0, end, is_finite(vec3<f32>(extent.factor)) && extent.factor >= 0.0 && extent.factor < 0x1p100);
 }
 
-// Whether no receiver lies in the volume of a box.
+// Whether certainly no receiver lies in the volume of a box.
 fn is_volume_without_receivers(
   view: ShadowView,
   light: ShadowLight,
@@ -377,7 +377,7 @@ fn vector_length(d: vec3<f32>) -> f32 {
   return size * sqrt(dot_3(e, e));
 }
 
-// A lower bound of the distance from the light to the box.
+// A lower bound of the distance from a point light to the box, in the space of the caster's positions.
 fn distance_lower_bound(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> f32 {
   let light_position = light.light.xyz / light.light.w;
   let slack = SLACK * max(max(abs(low), abs(high)), abs(light_position));

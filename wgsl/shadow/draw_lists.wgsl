@@ -1,6 +1,6 @@
 // Lists of what is drawn for each light of a batch (up to 32 lights) in a view: faces with caps, edges with sides, pieces.
-// Pieces are parts of twisted polygons. The boundary of a twisted polygon crosses itself as seen from light
-// L.
+// Pieces are parts of the boundaries of twisted polygons. As seen from light L, the boundary of a twisted polygon crosses
+// itself or goes around the light, or a hole is outside.
 // `caps` and `list_sides` write the lists of faces and edges, `cut_edges` and `cut_quads` those of pieces. Stages that
 // make draw arguments or bound counts read them, and so do vertex shaders. The order in a list is arbitrary. Two lists of
 // a light may share a range: one grows from its front, one from its back. If they overflow, the sum of their counts

@@ -1,6 +1,5 @@
-// Vertex shaders of the sides and caps of pieces, in the caller's render pass. The boundary of a twisted polygon
-// crosses itself as seen from light L. A piece is a segment of the border between its lit and dark parts
-// (shadow/draw_lists.wgsl).
+// Vertex shaders of the sides and caps of pieces, in the caller's render pass. A piece is a segment of the border
+// between the lit and dark parts of a twisted polygon (shadow/draw_lists.wgsl).
 // The indirect draws of `piece_arguments` have an instance for each piece that `cut_edges` or `cut_quads` listed for the
 // only caster of the group. A piece and the middle of its polygon make a front-facing triangle, whose caps are drawn.
 // At its two other edges a triangle meets the triangles of other pieces, which count there with the opposite sign. So

@@ -13,23 +13,23 @@ use crate::skipping::scenes::SkipScene;
 use crate::stress;
 use crate::text::grouped;
 
-/// A choice of measurements. An empty list is nothing, `None` what is usual.
+/// The measurements to plan. An empty list selects none, `None` the usual ones.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
     pub quick: bool,
     pub meshes: Option<Vec<usize>>,
     pub scenes: Option<Vec<String>>,
     pub casters: Option<Vec<usize>>,
-    /// The approximate number of faces of a stress scene.
+    /// The approximate number of faces of each stress scene.
     pub scene_faces: Option<usize>,
     pub lights: Option<Vec<usize>>,
-    /// The largest number of counted runs.
+    /// The largest number of measured rounds. Runs that warm up do not count.
     pub rounds: Option<usize>,
-    /// Frames of each camera path for shadows.
+    /// Frames of each camera path for shadows. 0: no shadows.
     pub frames: Option<usize>,
-    /// Only the CPU is measured, which draws nothing.
+    /// Only extraction is measured, on the CPU: shadows and scenes of casters need a GPU.
     pub cpu_only: bool,
-    /// A model of the user, which is measured instead of meshes and scenes that are not asked for.
+    /// The user's model. It replaces the usual meshes and scenes, and the casters of shadows.
     pub model: Option<Model>,
 }
 
@@ -53,15 +53,15 @@ pub struct Plan {
     pub(crate) frames: Frames,
 }
 
-/// Something to measure: a row, but for extraction.
+/// Something to measure, for one row; extraction has several.
 #[derive(Clone, Debug)]
 pub(crate) enum Job {
     /// A row for each number of lights.
     Extraction(Subject, Vec<usize>),
-    /// A caster with its name, on a path.
+    /// The name of a caster, the caster, and the path of the camera.
     Shadows(String, Rc<Shape>, Path),
     Casters(CasterMesh, usize),
-    /// The approximate number of faces of a single caster that is held against an extractor.
+    /// The approximate number of faces of a single caster. Its scene is compared with an extractor.
     OneMesh(usize),
     Skipping(SkipScene, usize),
 }
@@ -98,8 +98,9 @@ const QUICK_SCENES: [&str; 10] = [
     "touching-boxes",
 ];
 const LIGHTS: [usize; 3] = [1, 8, 32];
-/// Beside the names of stress scenes: the scenes of many casters, and those that measure skipping.
+/// The name that selects the scenes of many casters and the scenes of one mesh.
 const CASTERS: &str = "casters";
+/// The names of scenes that measure skipping.
 const SKIPPING: [&str; 6] = ["still", "city", "crowd", "moving", "house", "big"];
 const NUMBERS_OF_CASTERS: [usize; 6] = [1, 10, 100, 200, 1000, 10_000];
 const QUICK_NUMBERS_OF_CASTERS: [usize; 3] = [1, 10, 100];
@@ -133,7 +134,7 @@ impl Plan {
         let rounds =
             Rounds { least: most.min(if quick { 3 } else { 5 }), most, time: Duration::from_secs_f64(seconds) };
         let (models, usual_frames, size) = if quick { (1, 6, 256) } else { (3, 16, 512) };
-        // A round draws whole paths.
+        // A round draws every frame of a path, so fewer rounds are needed.
         let count = options.frames.unwrap_or(usual_frames);
         let frames = Frames { count, size, rounds: Rounds { least: most.min(3), ..rounds } };
 
@@ -172,7 +173,7 @@ impl Plan {
     }
 }
 
-/// The user's model, or so many of ours, on each path.
+/// The user's model, or the first `models` of `MODELS`, seen along each path.
 fn of_shadows(model: Option<&Model>, models: usize) -> Vec<Job> {
     let bodies: Vec<(String, Rc<Shape>)> = match model {
         Some(model) => vec![(model.name.clone(), Rc::new(fitted(&model.positions, model.mesh.faces())))],
@@ -183,7 +184,7 @@ fn of_shadows(model: Option<&Model>, models: usize) -> Vec<Job> {
     bodies.into_iter().flat_map(on_paths).collect()
 }
 
-/// Scenes of these numbers of casters and, if there are some, of one mesh.
+/// Scenes with these numbers of casters and, unless `numbers` is empty, scenes of one mesh.
 fn of_casters(numbers: &[usize], one_mesh: &[usize]) -> Vec<Job> {
     let cubes = numbers.iter().map(|&number| Job::Casters(CasterMesh::Cube, number));
     let characters = numbers.iter().filter(|&&number| number <= MOST_CHARACTERS);
@@ -192,7 +193,7 @@ fn of_casters(numbers: &[usize], one_mesh: &[usize]) -> Vec<Job> {
     cubes.chain(characters).chain(one_mesh).collect()
 }
 
-/// The values without those that are there before.
+/// The values without repetitions, in the order in which they first occur.
 fn each_once<T: PartialEq>(values: Vec<T>) -> Vec<T> {
     let mut kept = Vec::new();
     for value in values {
@@ -207,7 +208,7 @@ fn names() -> impl Iterator<Item = &'static str> {
     stress::names().chain([CASTERS]).chain(SKIPPING)
 }
 
-/// The names of the scenes that are asked for, or are usual.
+/// The names of the scenes that the options name, or else of the usual ones.
 fn wanted(options: &Options) -> Result<Vec<&'static str>, PlanError> {
     let wanted = match options.scenes.as_deref() {
         None if options.model.is_some() => return Ok(Vec::new()),

@@ -57,8 +57,8 @@ pub fn group(
     device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
 }
 
-/// The finest format of depth with a stencil: floating point where the device has it. With reversed depth it tells the
-/// same part of any distance apart, however near the near plane is (docs/numerics/rasterisers.md, "Depth").
+/// The finest format of depth with a stencil: floating point where the device has it. With reversed depth it has about the
+/// same relative precision at all distances, however near the near plane is (docs/numerics/rasterisers.md, "Depth").
 pub fn depth_format(device: &wgpu::Device) -> wgpu::TextureFormat {
     let finest = wgpu::TextureFormat::Depth32FloatStencil8;
     let has_it = device.features().contains(finest.required_features());

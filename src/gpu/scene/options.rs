@@ -33,9 +33,9 @@ pub struct SceneOptions {
 /// Room for the entries of lists. After an overflow a stage or draw processes all edges or faces, so nothing is lost,
 /// except for [`Self::pieces`].
 ///
-/// A polygon is twisted if its loops cross themselves as seen from a light. It is then drawn in pieces of 36 bytes
-/// each: 6 of a quadrilateral, and at most n(n − 2) of a polygon with n edges. By default 131,072 twisted
-/// quadrilaterals lose none with one light, and 4,096 with 32 lights.
+/// A polygon is twisted if, as seen from a light, its boundary crosses itself or goes around the light, or a hole is
+/// outside. It is then drawn in pieces of 36 bytes each: 6 of a quadrilateral, and at most n(n − 2) of a polygon with n
+/// edges. By default 131,072 twisted quadrilaterals lose none with one light, and 4,096 with 32 lights.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Capacities {
     /// Entries of the edge list of each light, in each group of casters. `None`: all boundary and inconsistent edges, and a

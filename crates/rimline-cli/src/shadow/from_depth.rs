@@ -1,4 +1,4 @@
-//! Depth maps of the lights: what is asked for, a map that the caller made (`--depth`), and what was found in them.
+//! Depth maps of the lights: the request, a map of the user (`--depth`), and the counts of cells or walls that were found.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -18,22 +18,23 @@ use crate::failure::{Cause, Failure};
 use crate::output::{Progress, note};
 use crate::{coordinates, files};
 
-/// Floats tell the same part of any distance apart with reversed depth.
+/// The format of maps that the command draws. With reversed depth, floats have about the same relative precision at all
+/// distances of a perspective map.
 pub(super) const MAP: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// The request of `--from-depth` or `--depth`, `--detector` and `--dangling`.
 #[derive(Clone, Debug)]
 pub(crate) struct FromDepth {
-    /// The map that the only light has. Without it each light sees the models in maps of its own.
+    /// The map, or six, of the only light. `None`: the command draws one or six for each light.
     pub(crate) given: Option<Arc<GivenMap>>,
     pub(super) size: [u32; 2],
     pub(crate) method: DepthMapMethod,
 }
 
 impl FromDepth {
-    /// The depth maps that cast, if there are any, relative to the origin. Reads the file of `--depth`.
+    /// The request, if there is one. Reads the file of `--depth`, with its cameras relative to `origin`.
     pub(crate) fn of(args: &ShadowArgs, origin: Origin) -> Result<Option<Self>, Failure> {
-        // With every cell, a given map may cast objects that are not among the models.
+        // With every cell, objects of a given map also cast if they are not among the models.
         let usual = if args.from_depth.is_some() { DepthMapMethod::default() } else { DepthMapMethod::EveryCell };
         let method = args.detector.unwrap_or(usual);
         let (given, size) = match (args.from_depth, &args.depth) {
@@ -49,8 +50,8 @@ impl FromDepth {
         Ok(Some(Self { given, size, method: continued(method, args.dangling)? }))
     }
 
-    /// Refuses what has no sensible result: six maps around a light have so near a near plane that all device depths
-    /// are much the same.
+    /// Refuses detectors with thresholds for six maps around a light: their near plane is so near that all device depths
+    /// are nearly alike.
     pub(crate) fn check(&self, lights: &[Light], bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
         use DepthMapMethod::{Contours, Differences, SecondDifferences};
         if self.given.is_some()
@@ -69,7 +70,7 @@ impl FromDepth {
         })
     }
 
-    /// Whether walls over contours are drawn, and no triangles between samples.
+    /// Whether walls over contours are drawn. Triangles between samples are then drawn only if the list of walls overflows.
     pub(super) fn has_walls(&self) -> bool {
         matches!(self.method, DepthMapMethod::Contours { .. })
     }
@@ -80,14 +81,15 @@ impl FromDepth {
             options.rounded_to = map.rounded_to;
             options.metric = map.arrays.metric;
         }
-        // Only edges of objects are found. Steep sides, moved by their slopes, would leave the object (`DepthMap`).
+        // No depth difference exceeds 1, so edges come from objects and far samples only. A bias would move the boundary off
+        // the steep sides of objects (`DepthMap`).
         if matches!(self.method, DepthMapMethod::Differences { threshold: 1.0, .. }) {
             options.slope_bias = 0.0;
         }
         options
     }
 
-    /// An error that a given map is the reason of, where there is one.
+    /// The error, as one of the given map's file if the map is its reason.
     pub(super) fn failed(&self, error: GpuError) -> GpuError {
         match &self.given {
             Some(map) => error.of_map(&map.file),
@@ -96,7 +98,7 @@ impl FromDepth {
     }
 }
 
-/// Refuses edges that are continued where none can be.
+/// The method with `--dangling`. Refuses it for methods that continue no edges.
 fn continued(mut method: DepthMapMethod, by: Option<DanglingEdges>) -> Result<DepthMapMethod, Failure> {
     match &mut method {
         DepthMapMethod::Automatic { dangling }
@@ -121,9 +123,9 @@ pub(super) fn points(bodies: &[PosedModel<'_>]) -> Vec<[f32; 3]> {
 pub(crate) struct DepthFound {
     /// Maps of the light: 1 or 6.
     pub(crate) maps: usize,
-    /// Cells with a triangle in the boundary of its shadow, or walls.
+    /// Cells with a triangle in the boundary of its shadow; with contours, walls and flaps.
     pub(crate) listed: u32,
-    /// Cells or walls that the list has room for. With more listed, every cell is drawn.
+    /// Entries that the list has room for. If `listed` is more, every cell is drawn.
     pub(crate) capacity: u32,
 }
 
@@ -133,12 +135,13 @@ impl DepthFound {
     }
 }
 
-/// Cells with a border of shadow from which on drawing takes long on any device: maps of bodies have some thousands.
+/// Drawing more cells or walls than this takes long on any device. Maps of bodies have some thousands with the default
+/// detector.
 const BUSY: u64 = 1 << 20;
 
 impl DepthsFound {
-    /// Tells the user where maps are borders all over, such as noise: each cell bounds a volume as long as the shadow.
-    /// Returns a line of progress for it.
+    /// Warns if more than `BUSY` cells are drawn, such as for a map of noise: each bounds a volume as long as the shadow.
+    /// Returns a line of progress then.
     pub(crate) fn warn_if_busy(&self, progress: &Progress) -> Option<String> {
         let (drawn, cells) = self.busy()?;
         progress.aside(|| {
@@ -151,12 +154,12 @@ impl DepthsFound {
         Some(format!("drawing {drawn} borders of shadow, which takes long"))
     }
 
-    /// Cells, or walls, that are drawn, and all cells, where it takes long.
+    /// The numbers of drawn cells or walls, and of all cells, if drawing takes long.
     fn busy(&self) -> Option<(u64, u64)> {
-        // Cells lie between texels, and around the outermost.
+        // Cells lie between texels and around the outermost. Six maps have slightly fewer: (side − 1)² each.
         let of_map = self.size.map(|side| u64::from(side) + 1).into_iter().product::<u64>();
         let cells: u64 = self.lights.iter().map(|found| found.maps as u64 * of_map).sum();
-        // Where the list has no room, every cell is drawn.
+        // If the list overflowed, every cell is drawn.
         let drawn =
             |found: &DepthFound| if found.is_overflowed() { found.maps as u64 * of_map } else { found.listed.into() };
         let drawn = self.lights.iter().map(drawn).sum();
@@ -277,8 +280,8 @@ impl GivenMap {
     }
 }
 
-/// A matrix for positions less `origin` as one for positions relative to the run's origin, and less the point that is
-/// returned. A matrix that is for plain positions takes the run's origin in, in `f64`.
+/// Makes a matrix for positions relative to the run's origin from one for world positions less `origin`. The result is for
+/// these positions less the returned point. With `origin` 0 the run's origin is added to the matrix, in `f64`.
 fn relative(rows: &[[f64; 4]; 4], origin: [f64; 3], run: Origin) -> ([[f64; 4]; 4], [f32; 3]) {
     if run.is_zero() || origin != [0.0; 3] {
         return (*rows, run.position(origin));
@@ -294,9 +297,9 @@ pub(super) fn check_lights(
     stage: &SceneBounds,
     origin: Origin,
 ) -> Result<(), Failure> {
-    /// How far a light may be off, as a share of its distance or of the extent of the models.
+    /// How far a light may be off, as a share of its distance from the models, or of their extent if that is larger.
     const MOST: f64 = 1e-3;
-    /// Extents that count as any distance beyond them, and as a light at infinity.
+    /// Lights farther than this many extents count as this far, and so do lights at infinity.
     const FAR: f64 = 1e9;
     let [shaded] = lights else {
         return Err(Failure::usage(format!(
@@ -306,7 +309,7 @@ pub(super) fn check_lights(
         )));
     };
     let centre = stage.models.centre().as_dvec3();
-    // In extents from the middle of the models.
+    // The position from the middle of the models, in extents.
     let position = |light: &Light| {
         let towards = Vec3::from(light.xyz).as_dvec3() - f64::from(light.w) * centre;
         let distance = if light.w == 0.0 { FAR } else { towards.length() / f64::from(light.w * stage.models.extent()) };
@@ -323,7 +326,7 @@ pub(super) fn check_lights(
     Ok(())
 }
 
-/// A light as it is given on the command line.
+/// A light as `--light` takes it.
 fn spec(light: &Light, origin: Origin) -> String {
     let at = |w: f32| coordinates::point(light.xyz, Origin::new(origin.to_array().map(|c| f64::from(w) * c)));
     match light.w {

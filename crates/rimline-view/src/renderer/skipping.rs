@@ -1,12 +1,12 @@
-//! Levels of skipping as the library has them.
+//! The viewer's levels of skipping, as options of a scene.
 
 use rimline::gpu::Measuring;
 
 use crate::state::options::Skipping;
 
-/// Work that no picture needs: the levels of skipping that are off.
+/// The levels that are off: the scene then does their work, which no picture needs.
 pub(super) fn measuring(skipping: Skipping) -> Measuring {
-    // Receivers are culled by where depth is given.
+    // Without `receivers` the renderer gives no `View::depth`, which has the same effect.
     let Skipping { range, view, casters, bits, lists, faces, receivers: _ } = skipping;
     let mut measuring = Measuring::default();
     for (level, is_on) in [

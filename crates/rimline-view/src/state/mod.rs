@@ -1,4 +1,4 @@
-//! The state of the viewer: plain data, and the events that change it.
+//! The state of the viewer, and the events that change it. Nothing here uses a window or a device.
 
 mod act;
 pub(crate) mod body;

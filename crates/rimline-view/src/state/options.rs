@@ -64,7 +64,7 @@ pub struct Skipping {
     pub bits: bool,
     /// Lists of what did not change.
     pub lists: bool,
-    /// Front-facing casters, where back-facing ones suffice.
+    /// Front-facing faces of casters, where the back-facing ones suffice.
     pub faces: bool,
 }
 
