@@ -17,7 +17,7 @@ pub const BOUND_CHUNKS: u32 = 128;
 pub const EXACT_ITEMS: u32 = 44;
 /// Morph targets and influences of a vertex together. The displacement has the remaining turns.
 pub const DEFORM_TERMS: u32 = 60_000;
-/// Boxes that an invocation of `needs` tests: views times lights and one more.
+/// Boxes that an invocation of `needs` tests at most: for each view the caster's, and for each of its lights the volume's.
 pub const NEEDS_BOXES: usize = 2500;
 /// Triangles of a polygon that is extracted on the GPU.
 pub const POLYGON_TRIANGLES: usize = 2048;

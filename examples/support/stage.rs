@@ -114,8 +114,8 @@ const AMBIENT: f32 = 0.22;
 /// Parts, if there are more than one: four each way.
 pub(crate) const PARTS: usize = 16;
 
-/// Which pixel of the four by four a part takes, `tone.wgsl` the other way round. Neighbouring parts share a pixel of the
-/// picture, whose patterns are most unlike.
+/// The pixel of each block of 4 × 4 that a part draws. `tone.wgsl` has the inverse. Parts 4n to 4n + 3 share a pixel of the
+/// picture.
 fn pixel_of_part(part: usize) -> [usize; 2] {
     let (within, pixel) = (part % 4, part / 4);
     [2 * (pixel & 1) + (within & 1), 2 * (pixel >> 1) + (within >> 1)]

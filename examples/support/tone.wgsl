@@ -1,4 +1,5 @@
-// Four linear pixels to one of the picture. They lie in one layer, or dealt out to 16, four by four.
+// Makes each pixel of the picture from 2 × 2 linear ones: the mean of their colours after gamma. All linear pixels are in
+// layer 0, or each block of 4 × 4 has one in each of 16 layers. `pixel_of_part` in stage.rs has the inverse.
 
 @group(0) @binding(0) var linear: texture_2d_array<f32>;
 

@@ -1,16 +1,16 @@
 //! Edge records: which faces meet at each edge, for any set of triangles or polygons.
 //!
-//! A stable counting sort puts the half-edges in buckets by their lower vertex, and a stable sort orders each bucket, mostly of
-//! few, by the upper one. A run of equal vertex pairs holds all faces at one edge, lowest face first. It is split into records
-//! of at most two faces.
+//! A stable counting sort puts the half-edges in buckets by their lower vertex. A stable sort orders each bucket, which mostly
+//! has few, by the upper vertex. A run of equal vertex pairs holds all half-edges of one edge, lowest face first. It is split
+//! into records of at most two faces.
 
 /// How the two faces of an edge record traverse it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum EdgeKind {
-    /// Face 1 traverses the edge `b→a`, opposite to face 0. Both faces have the same outside.
+    /// Face 1 traverses the edge `b→a`, opposite to face 0. Both faces have their fronts on one side of the surface.
     Consistent = 0,
-    /// Face 1 traverses the edge `a→b`, as face 0 does. One of the faces is inside out.
+    /// Face 1 traverses the edge `a→b`, as face 0 does. The faces have their fronts on different sides of the surface.
     Inconsistent = 1,
     /// There is no face 1.
     Boundary = 2,
@@ -21,7 +21,7 @@ pub enum EdgeKind {
 pub struct Edge {
     /// The vertices `(a, b)`. Face 0 traverses the edge `a→b`.
     pub vertices: [u32; 2],
-    /// Face 0. Its index is lower than that of face 1. It is the same where a polygon walks the edge twice, both times
+    /// Face 0. Its index is lower than that of face 1. The two are equal where a polygon walks the edge twice, both times
     /// `a→b`.
     pub face_0: u32,
     /// Face 1, if there is one.
@@ -53,8 +53,8 @@ pub struct EdgeRecords {
     counts: EdgeCounts,
 }
 
-/// The number of no face: face 1 of a boundary record in [`EdgeRecords::packed_faces`], and the face of a point that is
-/// on none in [`cpu::shadow_depth_on_faces`](crate::cpu::shadow_depth_on_faces) and
+/// The index that stands for no face: face 1 of a boundary record in [`EdgeRecords::packed_faces`], and the face of a point
+/// that is on none in [`cpu::shadow_depth_on_faces`](crate::cpu::shadow_depth_on_faces) and
 /// [`gpu::QueryPoints`](crate::gpu::QueryPoints).
 pub const NO_FACE: u32 = u32::MAX;
 /// The bit that is set in face 0 of an inconsistent record of [`EdgeRecords::packed_faces`].
@@ -66,7 +66,7 @@ impl EdgeRecords {
         self.vertices.len()
     }
 
-    /// Whether there are no records: every face is degenerate.
+    /// Whether there are no records: every face is a degenerate triangle or a polygon without a boundary.
     pub fn is_empty(&self) -> bool {
         self.vertices.is_empty()
     }
@@ -177,10 +177,10 @@ const NEXT: [usize; 3] = [1, 2, 0];
 /// The mate of a half-edge without a mate. No half-edge has this number, with or without [`INCONSISTENT_BIT`]: the
 /// largest number is `3·MAX_FACES − 1`, which is 2³¹ − 3.
 const BOUNDARY: u32 = u32::MAX;
-/// The mate where a number has no half-edge, in a degenerate face.
+/// The mate of a number that no half-edge has, in a degenerate triangle.
 const UNUSED: u32 = u32::MAX - 1;
 
-/// Whether a half-edge belongs to face 0 of its record. The record is written at its index.
+/// Whether a half-edge is the first of its record, that of face 0. Records are in the order of their first half-edges.
 fn is_first(half_edge: usize, mate: u32) -> bool {
     mate == BOUNDARY || (mate != UNUSED && half_edge < (mate & !INCONSISTENT_BIT) as usize)
 }
@@ -212,7 +212,8 @@ fn for_each_half_edge(faces: &(impl HalfEdges + ?Sized), mut visit: impl FnMut(u
 }
 
 /// For every number of a half-edge, the half-edge that shares its record, with [`INCONSISTENT_BIT`] set if both
-/// traverse the edge in the same direction. Or [`BOUNDARY`], or [`UNUSED`].
+/// traverse the edge in the same direction. [`BOUNDARY`] for a half-edge that is alone in its record, [`UNUSED`] for a
+/// number that no half-edge has.
 fn pair_half_edges(vertex_count: usize, faces: &(impl HalfEdges + ?Sized)) -> Vec<u32> {
     let named = (vertex_count / 4 > faces.number_limit()).then(|| lower_vertices(faces));
     let buckets = named.as_ref().map_or(vertex_count, Vec::len);
@@ -235,7 +236,7 @@ fn pair_half_edges(vertex_count: usize, faces: &(impl HalfEdges + ?Sized)) -> Ve
 }
 
 /// The lower vertices of all half-edges, each once, ascending. A mesh that names few of its vertices has buckets for these
-/// alone: any number of vertices may be stated for a few faces.
+/// alone. Else a large vertex count beside a few faces would need memory for all vertices.
 fn lower_vertices(faces: &(impl HalfEdges + ?Sized)) -> Vec<u32> {
     let mut named = Vec::with_capacity(faces.number_limit());
     for_each_half_edge(faces, |lower, _| named.push(lower));
@@ -244,7 +245,8 @@ fn lower_vertices(faces: &(impl HalfEdges + ?Sized)) -> Vec<u32> {
     named
 }
 
-/// Counts become the ends of buckets.
+/// Replaces each count by its sum with all before it. Callers count bucket `b` at index `b + 1`, so its start is then at
+/// index `b`.
 pub(super) fn prefix_sum(starts: &mut [u32]) {
     let mut sum = 0;
     for start in starts {
@@ -253,7 +255,7 @@ pub(super) fn prefix_sum(starts: &mut [u32]) {
     }
 }
 
-/// Puts a value where its bucket goes on.
+/// Appends a value to the bucket `key` of `sorted`. `next` has the index of the next free element of each bucket.
 pub(super) fn put<T>(next: &mut [u32], sorted: &mut [T], key: u32, value: T) {
     let slot = &mut next[key as usize];
     sorted[*slot as usize] = value;
@@ -267,8 +269,8 @@ fn pair_run(run: &[Entry], mates: &mut [u32]) {
             mates[first.half_edge() as usize] = BOUNDARY;
             return;
         };
-        // The flag is set here, where both are in the cache. Looking up the mate's corners later costs a cache miss for
-        // each record.
+        // The flag is set here, where both entries are in the cache. Looking up the mate's corners later costs a cache miss
+        // for each record.
         let inconsistent = if first.is_opposite(second) { 0 } else { INCONSISTENT_BIT };
         mates[first.half_edge() as usize] = second.half_edge() | inconsistent;
         mates[second.half_edge() as usize] = first.half_edge() | inconsistent;

@@ -1,5 +1,5 @@
-// `mark_strip`, which is the pass `depth_edges_mark`: the marks of 16 × 4 samples. It goes along their four rows at once, so
-// that few samples are loaded twice. No other stage imports it.
+// `mark_strip` marks the edges to the right of 16 × 4 samples and below them. It goes along the four rows at once, so that
+// few samples are loaded twice. An invocation of `depth_edges_mark` calls it. Only depth_edges.wgsl imports this file.
 //
 // Expects: `edges`, `faint_edges`, `sample_bits`.
 
@@ -59,11 +59,12 @@ fn edge_states(four: FourEdges, level: u32) -> vec4<u32> {
     edge_state(vec4<u32>(four.before.w, four.first.w, four.second.w, four.after.w), level));
 }
 
-// Which edges lie between two objects. `sample`: the first sample of the first edge.
+// Which edges lie between different objects. An edge with a far sample never does. `sample`: the first sample of the first
+// edge.
 fn are_object_edges(four: FourEdges, sample: vec2<u32>, step: vec2<u32>) -> vec4<bool> {
   var result = vec4<bool>(false);
   if (OBJECTS && depth_map.has_objects != 0u) {
-    // A loop that is not unrolled has one copy of what it loads.
+    // `opaque` keeps the loop from being unrolled into four copies of the loads.
     for (var row = 0u; row < opaque(STRIP); row++) {
       let first = sample + vec2<u32>(0u, row);
       result[row] = max(four.first[row], four.second[row]) != FAR_KEY && is_object_edge(first, first + step);
@@ -78,7 +79,7 @@ struct Marks {
   undecided: vec4<u32>,
 }
 
-// Sets a bit of each word by the state of its edge.
+// Sets a bit of each word by the `edge_state` of its edge.
 fn with_states(marks: Marks, states: vec4<u32>, bit: u32) -> Marks {
   let shift = vec4<u32>(bit);
   return Marks(
@@ -98,7 +99,8 @@ fn shifted(columns: FourColumns, after: Column) -> FourColumns {
   return FourColumns(columns.current.keys, columns.next, columns.after, after);
 }
 
-// Where a column of samples is within its map. Maps of a cube lie beside each other, and no edge leads from one to the next.
+// The position of a column of samples in its map. Maps of a cube lie beside each other, and no edge leads from one to the
+// next. For a single map `size` is beyond all samples, because its lattice has a border of far samples instead.
 struct MapPosition {
   size: vec2<u32>,
   rows: vec4<u32>,
@@ -123,7 +125,8 @@ fn edges_along(columns: FourColumns, position: MapPosition, axis: u32) -> FourEd
     select(columns.after.keys, far, position.column + 2u >= position.size.x));
 }
 
-// Which edges along an axis lead out of the map or the lattice. `x` is the column of their samples in the lattice.
+// Which edges along an axis lead out of a map of a cube, or begin beyond the last column of the lattice. `x` is the column of
+// their first samples in the lattice.
 fn leads_out(position: MapPosition, x: u32, axis: u32) -> vec4<bool> {
   if (axis == 1u) {
     return (position.rows + 1u == vec4<u32>(position.size.y)) | vec4<bool>(x >= lattice_size().x);
@@ -131,7 +134,8 @@ fn leads_out(position: MapPosition, x: u32, axis: u32) -> vec4<bool> {
   return vec4<bool>(position.column + 1u == position.size.x || x >= lattice_size().x);
 }
 
-// The bits of `sample_bits` for a column of samples, shifted to bit 0 and 16: they cast; their cells are split.
+// The bits of `sample_bits` for a column of samples, as for the first samples of words. Bit 0: the sample casts. Bit 16: the
+// cell to its right and below it is split.
 fn bits_of_column(current: Column, next: Column) -> vec4<u32> {
   let below = vec4<u32>(current.keys.yzw, current.beyond.y);
   let next_below = vec4<u32>(next.keys.yzw, next.beyond.y);
@@ -154,7 +158,7 @@ fn mark_strip(strip: u32) {
   var marks: Marks;
   var faint_marks: Marks;
   var bits = vec4<u32>(0u);
-  // The first three iterations fill `columns`.
+  // The first three iterations only load columns.
   for (var index = 0u; index < WORD_SAMPLES + 3u; index++) {
     columns = shifted(columns, load_column(corner + vec2<u32>(index, 0u) - vec2<u32>(1u, 0u)));
     if (index < 3u) {
@@ -191,8 +195,8 @@ fn mark_strip(strip: u32) {
   }
 }
 
-// The undecided edges of a strip that are marked. This loop is its own, because some devices
-// execute a loop's body for all invocations if one needs it.
+// The undecided edges of a strip that are marked. They have a loop of their own, because some devices execute a loop's body
+// for all invocations if one needs it.
 fn resolve_undecided(corner: vec2<u32>, undecided: vec4<u32>, level: u32) -> vec4<u32> {
   var marked = vec4<u32>(0u);
   var remaining = undecided;

@@ -1,8 +1,8 @@
-// Stage `needs`: finds which casters of models in a scene a frame needs, from the boxes of their poses. Dispatched before
-// `deform`, an invocation a caster of a model. A frame needs the caster if a camera may see it, or may see its shadow from a
-// light that affects it. Tests have slack, so that no visible caster is culled. The words are copied for `deform`, which moves
-// the other casters into a point, and for `cull_lights`, which culls them. Claim: docs/numerics/scene.md, "Deforming casters
-// that a frame needs".
+// Stage `needs`: finds which deforming casters of a scene, the instances of its models, a frame needs, from the boxes of their
+// poses. Dispatched before `deform`, an invocation a caster. A frame needs the caster if a camera may see it, or may see its
+// shadow from a light that affects it. Tests have slack, so that no caster with a visible surface or shadow is culled. The
+// words of `needed_states` are copied for `deform`, which sets all positions of culled casters to (0, 0, 0), and for
+// `cull_lights`, which gives them no lights. Claim: docs/numerics/scene.md, "Deforming casters that a frame needs".
 
 #import common/casters
 #import shadow/culling
@@ -13,18 +13,21 @@ struct NeedsDispatch {
   views: u32,
   lights: u32, // Lights of each view, at least 1.
   parts: u32, // Vec4s of each caster in `deforming_casters`.
-  all: u32, // 1: all are needed, or views and lights are too many for NEEDS_BOXES.
-  cull_by_range: u32, // 1: by range and cone of lights.
-  cull_by_view: u32, // 1: shadows that a camera cannot see.
+  // 1: all are needed. Rust sets it if there are no views, if culling is off, or if there are too many views and lights for
+  // NEEDS_BOXES (src/turns.rs).
+  all: u32,
+  cull_by_range: u32, // 1: lights do not affect casters out of their range or cone.
+  cull_by_view: u32, // 1: shadows that the camera cannot see do not count.
   reserved: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: NeedsDispatch;
 @group(0) @binding(1) var<storage, read> view_lights: array<ViewLight>;
-// For each caster: xyz the lowest corner of its box, w whether it has one; xyz the highest corner; then the bits of its
-// lights.
+// For each caster: xyz the lowest corner of its box in world space, w 1 if it has a box and 0 if not; xyz the highest corner;
+// then the bits of its lights. A caster without a box is needed.
 @group(0) @binding(2) var<storage, read> deforming_casters: array<vec4<u32>>;
-// For each caster 1 if it is culled, else 2. 0: this stage never ran.
+// For each caster 1 if it is culled, 2 if it is needed. `cull_lights` reads 0 if no encoder with this stage was
+// submitted.
 @group(0) @binding(3) var<storage, read_write> needed_states: array<u32>;
 
 // Whether light `light_index` of a view may affect a box, and the view's camera may see the shadow of the box. Returns false

@@ -4,7 +4,7 @@
 // Dispatched after `counting_methods` for each group of casters, light batch and view; eight invocations share a chunk
 // of 64 face slots. Reads: choices, positions, facing masks, excluded masks. Excluded faces have no caps. Writes:
 // lists, in arbitrary order, for `shadow_arguments` and `cap_faces`; CHOICE_LISTED_NEAR_CAP of casters with near caps,
-// for which later stages clip sides. Culling may keep too many near caps, never too few.
+// for which later stages clip sides. Culling may list a face without a near cap, and never drops one with a near cap.
 // docs/numerics/shadow-volumes.md, "Closed volumes" and "Slack of culling".
 
 #import common/casters
@@ -26,7 +26,7 @@
 // Four counts for each of 32 lights, then the lists (draw_lists.wgsl).
 @group(0) @binding(9) var<storage, read_write> caps_listed: array<atomic<u32>>;
 
-// Whether all three corners are outside one plane of the pyramid of light and near rectangle.
+// Whether all three corners are certainly outside one plane of the pyramid of light and near rectangle.
 fn is_outside_pyramid(view: ShadowView, light: ShadowLight, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> bool {
   let p = pyramid_planes(view, light, a);
   let q = pyramid_planes(view, light, b);
@@ -40,7 +40,7 @@ fn is_outside_pyramid(view: ShadowView, light: ShadowLight, a: vec3<f32>, b: vec
 
 // The choices for a caster.
 struct CapChoices {
-  words: vec4<u32>, // CHOICE_CASTS, CHOICE_EVERY_FACE, CHOICE_NEAR_CAP; the last is not used.
+  words: vec4<u32>, // CHOICE_CASTS, CHOICE_EVERY_FACE and CHOICE_NEAR_CAP. The fourth word is 0.
   excludes: u32, // CHOICE_EXCLUDES.
   lights: u32, // The lights for which faces of the caster may have caps that are to be listed.
   flags: u32, // The flags of the caster.
@@ -60,8 +60,8 @@ fn load_choices(caster: u32) -> CapChoices {
   }
   result.excludes = atomicLoad(&choices[offset + CHOICE_EXCLUDES]);
   result.flags = caster_flags(caster);
-  // Whether light and dark caps are possible; if not, only lights with near caps matter. `has_far_caps` decides for each
-  // light.
+  // Whether light and dark caps are possible. If not, only lights with CHOICE_NEAR_CAP can have caps. `has_far_caps` decides
+  // for each light.
   let can_have_far_caps = shape.counting == COUNT_Z_FAIL || shape.counting == COUNT_ZP_PLUS_2005 ||
     shape.end_at_range != 0u || (result.flags & PROXY) != 0u;
   result.lights = result.words[CHOICE_CASTS] & select(result.words[CHOICE_NEAR_CAP], 0xffffffffu, can_have_far_caps) &
@@ -79,7 +79,7 @@ fn load_volume_end(caster: u32, light_index: u32) -> f32 {
 }
 
 // Appends a face to a list of a light. Two lists share a range, from both ends. If it overflows, only the counts are right,
-// and the reader tests all faces.
+// and the vertex shaders test all faces.
 fn list_cap(bit: u32, kind: u32, slot: u32) {
   let entry = atomicAdd(&caps_listed[4u * bit + kind], 1u);
   if (entry < cap_capacity(kind)) {
@@ -87,7 +87,7 @@ fn list_cap(bit: u32, kind: u32, slot: u32) {
   }
 }
 
-// Lists the caps of a face for all lights of `caster_choices`.
+// Lists the caps of a face for all lights of `caster_choices` for which it casts.
 fn list_face(caster: u32, slot: u32, caster_choices: CapChoices) {
   let first_corner = 3u * (face_range(caster).z + slot - face_range(caster).x);
   let corners = vec3<u32>(faces[first_corner], faces[first_corner + 1u], faces[first_corner + 2u]);
@@ -134,7 +134,7 @@ fn caps(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
   if (load_dirty_lights() == 0u) {
     return;
   }
-  // An item is one of the LANES invocations of a chunk.
+  // An item is a share of a chunk: each LANES-th slot.
   // Turns: ITEMS.
   for (var item = id.x; item < shape.faces / CHUNK * LANES; item += 256u * groups.x) {
     let first = item / LANES * CHUNK;

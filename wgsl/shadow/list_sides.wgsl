@@ -2,11 +2,11 @@
 // lights), in a view. A side is the quad from an edge away from the light.
 // Dispatched after `caps` for each group of casters, light batch and view; a row of workgroups shares the edges of a
 // light.
-// Reads: choices, facing masks, excluded masks, and the silhouettes that `edges` listed. If that list overflowed, or if
-// faces may be excluded (`ShadowLight::excludes`), the stage goes over all edges instead.
+// Reads: choices, facing masks, excluded masks, and the silhouettes that `edges` listed. If that list overflowed, or if a
+// caster of the group may have excluded faces (`GroupChoices`), the stage goes over all edges instead.
 // Writes: lists, in arbitrary order, for `shadow_arguments`, `sides` and `stencil_crossings`. Only dirty lists are written.
-// The weight of a side follows from the facing of both faces of its edge. Caps follow from the same bits, so volumes are
-// closed.
+// The weight of a side follows from the facing and excluded bits of the faces of its edge. Caps follow from the same bits,
+// so volumes are closed.
 // docs/numerics/watertight.md.
 
 #import common/casters
@@ -27,7 +27,8 @@
 @group(0) @binding(8) var<storage, read_write> sides: array<atomic<u32>>; // Two counts for each light, then the lists.
 @group(0) @binding(9) var<storage, read> extraction_statistics: ExtractionStatistics; // From the extraction of the silhouettes.
 
-// Appends the side of the edge in a slot to a list, as often as its weight says. If the list is full, only its count grows.
+// Appends the side of the edge in a slot to one of the light's two lists, as often as its weight says. The lists share a
+// range, from both ends. If it overflows, only the counts are right, and readers go over all edges.
 fn list_edge(slot: u32, bit: u32) {
   let caster = caster_of_slot(shape.edge_chunks_offset, slot);
   let range = edge_range(caster);
@@ -51,8 +52,8 @@ fn list_edge(slot: u32, bit: u32) {
 
 // Whether all edges with sides are in the light's list of silhouettes.
 fn has_all_silhouettes(choices: GroupChoices, bit: u32) -> bool {
-  // Whether any light lies in the plane of a face. If not, a light in the box of a caster excludes no face. Statistics do
-  // not count cached facing, for which CACHED_ZEROS tells.
+  // Whether any light of the batch lies in the plane of a face. If not, CHOICE_MAY_EXCLUDE has no effect: it says only that
+  // a light may be in the box of a caster. Statistics count new facing, and CACHED_ZEROS stands for cached facing.
   let has_zeros = extraction_statistics.exact_zeros != 0u || silhouette_counts[CACHED_ZEROS] != 0u;
   let excluding_lights = choices.does_exclude | select(0u, choices.may_exclude, has_zeros);
   return silhouette_counts[bit] <= shape.capacity && ((excluding_lights >> bit) & 1u) == 0u;

@@ -13,8 +13,9 @@
 #import shadow/draw_lists
 #import shadow/shadow
 
-// Stage `shadow_arguments`: from the counts of `list_sides` and `caps`. If a list overflowed, its draw has an instance for
-// each edge or face, and the vertex shader rejects those that are not in the list. This is slower, but shadows stay right.
+// Stage `shadow_arguments`: from the counts of `list_sides` and `caps`. If the two lists of a range overflowed, their draws
+// have two instances for each edge, or one for each face. The vertex shader rejects those that would not be in its list.
+// This is slower, but shadows stay right.
 
 // The draws of the shadow volumes of one light and group.
 struct ShadowDraws {

@@ -1,4 +1,4 @@
-//! Input files, and where a result goes: a regular file, which is replaced, or something else, which is written through.
+//! Input files, and targets of results: a regular file, which is replaced, or a pipe, device or stream, which gets a copy.
 
 use std::collections::{HashMap, HashSet};
 use std::ffi::OsString;
@@ -17,11 +17,12 @@ pub(crate) static HOLDS_RESULT: AtomicBool = AtomicBool::new(false);
 pub(crate) enum Target {
     /// A name for a regular file, with what is there already.
     Replace(PathBuf, Option<Metadata>),
-    /// A pipe, device or open stream; a regular file only where it has no name left, and then it is cut to nothing.
+    /// The file that the complete result is copied to: a pipe, a device, standard output or standard error. Or a regular file
+    /// to which no path leads any more: for it the flag is true, and it is cut to nothing before.
     Through(File, bool),
 }
 
-/// Finds it, through links: the link stays, and what it names is written.
+/// Finds the target of a name. A symbolic link stays, and the file that it leads to is the target.
 pub(crate) fn find(name: &Path) -> io::Result<Target> {
     if is_standard(name) {
         let no_stream = || io::Error::other("standard output cannot be written through here; give the name of a file");
@@ -55,7 +56,7 @@ fn existing(name: &Path, there: Metadata) -> io::Result<Target> {
             return Ok(Target::Through(file, false));
         }
     }
-    // Never made here, and not cut before the result is complete. It tells whether the file may be changed at all.
+    // Opening fails if the file may not be written. It neither makes the file nor cuts it.
     let file = OpenOptions::new().write(true).open(name)?;
     if there.is_file()
         && let Ok(path) = name.canonicalize()
@@ -71,7 +72,7 @@ pub(crate) fn is_standard(name: &Path) -> bool {
     name.as_os_str() == "-"
 }
 
-/// Whether a result is there as a file. Nobody knows of standard output what it got.
+/// Whether a result is there as a file. Standard output never counts, because nothing tells if a result went there.
 pub(crate) fn is_written(result: &Path) -> bool {
     !is_standard(result) && result.is_file()
 }
@@ -91,7 +92,7 @@ impl Inputs {
         Self(files.into_iter().filter_map(identified).collect())
     }
 
-    /// Refuses to write a file that is one of them.
+    /// Refuses a result that would be written to one of the inputs.
     pub(crate) fn spare(&self, out: &Path) -> Result<(), Failure> {
         let there = match is_standard(out).then(|| standard(&io::stdout())).flatten() {
             Some(stream) => stream.metadata(),
@@ -109,10 +110,10 @@ impl Inputs {
     }
 }
 
-/// The path that a chain of links ends at, which need not exist.
+/// The path that a chain of symbolic links ends at, which need not exist.
 pub(crate) fn end_of_links(name: &Path) -> io::Result<PathBuf> {
     let mut path = name.to_owned();
-    // More are taken for a loop, as Linux does.
+    // Chains of 40 links or more count as loops. Linux follows at most 40.
     for _ in 0..40 {
         match path.read_link() {
             Ok(next) => path = path.parent().unwrap_or(Path::new("")).join(next),
@@ -122,7 +123,7 @@ pub(crate) fn end_of_links(name: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("its links lead to each other"))
 }
 
-/// Where a result goes to must be there.
+/// Refuses a target whose folder does not exist.
 pub(crate) fn check_parent(target: &Path) -> io::Result<()> {
     if folder_of(target).is_dir() { Ok(()) } else { Err(io::Error::other("its folder does not exist; make it first")) }
 }
@@ -151,7 +152,7 @@ fn is_character_device(_: &Metadata) -> bool {
     false
 }
 
-/// Identity of a file, the same for all its names.
+/// Identity of a file, the same for all its names; but on systems other than Unix each hard link has its own.
 #[cfg(unix)]
 type Identity = (u64, u64);
 #[cfg(not(unix))]
@@ -169,7 +170,7 @@ fn identity(file: &Path, _: &Metadata) -> Option<Identity> {
     file.canonicalize().ok()
 }
 
-/// Whether both name one file, be it there or not.
+/// Whether both name one file, which need not exist.
 pub(crate) fn is_same_file(a: &Path, b: &Path) -> bool {
     if let (Ok(there), Ok(other)) = (std::fs::metadata(a), std::fs::metadata(b)) {
         return identity(a, &there) == identity(b, &other);
@@ -177,7 +178,7 @@ pub(crate) fn is_same_file(a: &Path, b: &Path) -> bool {
     a == b || real_path(a).is_some_and(|a| Some(a) == real_path(b))
 }
 
-/// A name of the file that is the same for all its paths, be it there or not, if its folder is there.
+/// The path of a file without symbolic links. The file need not exist; without its folder the result is `None`.
 pub(crate) fn real_path(path: &Path) -> Option<PathBuf> {
     let path = end_of_links(path).ok()?;
     Some(folder_of(&path).canonicalize().ok()?.join(path.file_name()?))
@@ -187,7 +188,7 @@ pub(crate) fn real_path(path: &Path) -> Option<PathBuf> {
 #[derive(Debug, Default)]
 pub(crate) struct Folders(HashMap<PathBuf, Option<Folder>>);
 
-/// A folder by its real path, and the names in it, with small letters.
+/// The real path of a folder, and the names in it, with ASCII letters in lower case.
 #[derive(Debug)]
 struct Folder {
     path: PathBuf,
@@ -195,14 +196,14 @@ struct Folder {
 }
 
 impl Folders {
-    /// The [`real_path`] of a file that is certainly not there, so neither a link nor an input. `None`: it may be there, or its
-    /// folder is not.
+    /// The [`real_path`] of a file that certainly did not exist when its folder was read, so it is neither a link nor an input.
+    /// `None`: it may have existed, its folder cannot be read, or it is `-`.
     pub(crate) fn path_of_new(&mut self, file: &Path) -> Option<PathBuf> {
         let name = file.file_name().filter(|_| !is_standard(file))?;
         let parent = folder_of(file);
         let folder = self.0.entry(parent.to_owned()).or_insert_with(|| Folder::read(parent).ok());
         let Folder { path, names } = folder.as_ref()?;
-        // Some systems take letters of either case for one, and different spellings of others.
+        // On some systems names are equal if they differ in case only, or in how Unicode encodes a letter.
         let is_new = name.is_ascii() && !names.contains(&name.to_ascii_lowercase());
         is_new.then(|| path.join(name))
     }
@@ -215,12 +216,12 @@ impl Folder {
     }
 }
 
-/// Endings that stand for a format. One that is none of these is a part of the name.
+/// Endings that name a format. Any other ending is a part of the name.
 const FORMATS: &str = "png apng jpg jpeg jpe jfif gif bmp tif tiff webp avif heic jxl svg pdf dxf eps ps exr hdr tga ppm \
                        pgm pnm psd ico mp4 m4v mov avi mkv webm mpg mpeg ogv npz npy mat h5 gltf glb bin obj mtl ply stl off fbx dae 3ds \
                        usd usda usdc usdz blend zip gz tar csv tsv json txt md html wgsl";
 
-/// Refuses a file name that ends as another format's: `expected` is the format of this one.
+/// Refuses a file name with the ending of another format than `expected`, in which the file is written.
 pub(crate) fn check_ending(out: &Path, expected: &'static str) -> Result<(), Failure> {
     let what = match expected {
         "png" => "a PNG picture",
@@ -241,7 +242,7 @@ pub(crate) fn check_ending(out: &Path, expected: &'static str) -> Result<(), Fai
     }
 }
 
-/// Refuses standard output, and a folder that is not there and is named as a file would be.
+/// Refuses standard output, and a path that does not exist and has the ending of a format of files.
 pub(crate) fn check_folder(out: &Path, why: &str) -> Result<(), Failure> {
     let wrong = match format_of(out) {
         _ if is_standard(out) => "is standard output",
@@ -256,7 +257,7 @@ fn format_of(out: &Path) -> Option<String> {
     FORMATS.split_whitespace().any(|format| format == ending).then_some(ending)
 }
 
-/// The most bytes of standard input, where no option says less.
+/// The most bytes that are read from standard input. A memory limit may be lower.
 const MAX_STDIN_BYTES: u64 = 1 << 32;
 
 /// A seekable reader, which archives need.
@@ -264,7 +265,7 @@ trait ReadSeek: Read + Seek {}
 
 impl<T: Read + Seek> ReadSeek for T {}
 
-/// An archive of arrays, of which at most `memory_limit` bytes come from standard input.
+/// An archive of arrays. More than `memory_limit` bytes on standard input are an error.
 pub(crate) fn archive(file: &Path, memory_limit: u64) -> Result<impl Read + Seek + use<>, Cause> {
     let reader: Box<dyn ReadSeek> = if is_standard(file) {
         Box::new(Cursor::new(stdin(memory_limit)?))
@@ -274,7 +275,7 @@ pub(crate) fn archive(file: &Path, memory_limit: u64) -> Result<impl Read + Seek
     Ok(rimline_files::archive(reader).map_err(FileError::from)?)
 }
 
-/// The bytes of a file. At most `memory_limit` of them come from standard input.
+/// The bytes of a file. More than `memory_limit` bytes on standard input are an error.
 pub(crate) fn read(file: &Path, memory_limit: u64) -> Result<Vec<u8>, FileError> {
     if is_standard(file) {
         return stdin(memory_limit);
@@ -287,14 +288,14 @@ pub(crate) fn read(file: &Path, memory_limit: u64) -> Result<Vec<u8>, FileError>
 pub(crate) fn read_text(file: &Path) -> Result<String, Failure> {
     let text = |bytes| String::from_utf8(bytes).map_err(|_| io::Error::other("it is not UTF-8 text").into());
     let mut text = read(file, MAX_STDIN_BYTES).and_then(text).map_err(|error| Failure::input(file, error))?;
-    // Editors of Windows begin files with a mark of the order of bytes.
+    // Editors on Windows begin files with a byte order mark.
     if text.starts_with('\u{feff}') {
         text.replace_range(..'\u{feff}'.len_utf8(), "");
     }
     Ok(text)
 }
 
-/// The input's metadata. For `-` it is the metadata of standard input: a file, a pipe or a terminal.
+/// The input's metadata. On Unix `-` has the metadata of standard input: a file, a pipe or a terminal.
 pub(crate) fn metadata(file: &Path) -> io::Result<Metadata> {
     #[cfg(unix)]
     if is_standard(file) {

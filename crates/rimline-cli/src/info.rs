@@ -67,7 +67,7 @@ impl Report {
         Ok(Self { meshes, total, placed, polygons })
     }
 
-    /// Keys are stable: they are only ever added to.
+    /// Keys may be added, but never change or go.
     fn json(&self, input: &Input) -> Result<Value, Failure> {
         let mut value = json!({
             "file": input.file.display().to_string(),

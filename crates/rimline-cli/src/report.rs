@@ -1,4 +1,4 @@
-//! Parts that the reports of `extract`, `query` and `shadow` share: lines, JSON, and how long what took.
+//! Parts that the reports of `extract`, `query` and `shadow` share: lines, JSON, and the times of stages.
 
 use std::fmt::{Display, Write as _};
 use std::time::Instant;
@@ -30,7 +30,8 @@ impl Lines {
     }
 }
 
-/// A report for programs, with the keys that all have. Keys are stable: they are only ever added to.
+/// A report for programs: `report` and the keys that all three have. Keys may be added, but never change or go; only names
+/// of stages may.
 pub(crate) fn json(mut report: Value, origin: Origin, times: &Times) -> String {
     let [set_up, work] = times.set_up_and_work();
     report["milliseconds"] = times.json().into();
@@ -40,26 +41,26 @@ pub(crate) fn json(mut report: Value, origin: Origin, times: &Times) -> String {
     format!("{report:#}\n")
 }
 
-/// A number a light; many lights are summed up.
+/// The number of each light. For more than eight lights: those of the first eight, and the sum of all.
 pub(crate) fn per_light(counts: &[usize]) -> String {
     let (shown, more) = first_lights(counts);
     if more { format!("{shown}, … ({} for {} lights)", counts.iter().sum::<usize>(), counts.len()) } else { shown }
 }
 
-/// The numbers of the first lights, and whether there are more.
+/// The numbers of the first eight lights, and whether there are more.
 pub(crate) fn first_lights(counts: &[usize]) -> (String, bool) {
     const SHOWN: usize = 8;
     let shown: Vec<String> = counts.iter().take(SHOWN).map(usize::to_string).collect();
     (shown.join(", "), counts.len() > SHOWN)
 }
 
-/// Stages that prepare the device for the others: opening it, buffers, pipelines, compiling shaders.
+/// Stages that prepare the device for the others: they open it, make buffers and pipelines, and compile shaders.
 const SET_UP: [&str; 4] = ["device", "prepare", "pipelines", "compile"];
 
-/// All stages of a device that has no timestamps, or none that mean anything.
+/// The name for all stages of the device together, where it has no timestamps, or meaningless ones.
 const ALL_STAGES: &str = "stages";
 
-/// Milliseconds of each stage, in the order they ran. `None`: only the sum of several is known.
+/// Milliseconds of each stage, summed over its runs, in the order of first runs. `None`: only [`ALL_STAGES`] is known.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Times(Vec<(&'static str, Option<f64>)>);
 
@@ -71,8 +72,8 @@ impl Times {
         }
     }
 
-    /// Adds the stages that `timer` timed, once they ran. Where it cannot tell their times, adds `all`: what they took
-    /// by the clock.
+    /// Adds the times of the stages that `timer` timed. They must have run. Without a timer, or where its timestamps have
+    /// no meaning, adds `all` as [`ALL_STAGES`]: their time together by a clock of the CPU.
     pub(crate) fn add_stages(&mut self, gpu: &Gpu, timer: Option<&StageTimer>, all: f64) -> Result<(), DeviceError> {
         let Some(timer) = timer else {
             self.add(ALL_STAGES, all);

@@ -309,7 +309,7 @@ impl Deformer {
     }
 
     /// Records the deformation of what was uploaded. `states` has a word for each instance, from a byte offset on: 1 if
-    /// its positions need only be a point, else 2.
+    /// it is culled, so that all its positions become (0, 0, 0), else 2.
     pub(crate) fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,

@@ -129,7 +129,7 @@ impl DepthMapVolumes {
         if inputs.eye.depth != self.eye.1 {
             return Err(DepthMapError::Depth { what: "the eye", given: inputs.eye.depth, made: self.eye.1 });
         }
-        // A cube has no border.
+        // The lattice of a single map has a border of far samples, that of a cube has none.
         let border = if self.shape.faces > 1 { 0.0 } else { 1.0 };
         let slope_bias = f64::from(self.options.slope_bias) * (0.5 + max_jitter(self.bits));
         let view = |light: &ShadowCamera, jitter| {

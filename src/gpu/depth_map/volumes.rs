@@ -28,7 +28,8 @@ const STRIP: [u64; 2] = [8, 4];
 const BLOCK: u64 = 64;
 
 /// Shadow volumes of casters without a mesh, from the depth map of a light. It finds the edges of the map, and draws the
-/// boundary between light and shadow into one bit of the caller's stencil. It reads nothing back. The module has an example.
+/// boundary between light and shadow into the stencil bits of [`DepthMapPipelines`]. It reads nothing back. The module has
+/// an example.
 ///
 /// docs/numerics/depth-maps.md has the method and its source.
 ///
@@ -51,13 +52,13 @@ pub struct DepthMapVolumes {
     pub(super) options: DepthMapOptions,
     pub(super) bits: u32,
     pub(super) eye: (wgpu::TextureFormat, DepthDirection),
-    /// Bound in place of missing objects.
+    /// Bound in place of a texture of objects that is missing or not used.
     pub(super) no_objects: wgpu::TextureView,
     pub(super) buffers: CellBuffers,
     pub(super) encodes: Arc<AtomicU64>,
 }
 
-/// The buffers of cells. With contours they are empty.
+/// The buffers of cells. With contours they have the smallest size and nothing binds them.
 #[derive(Debug)]
 pub(super) struct CellBuffers<B = wgpu::Buffer> {
     pub(super) words: B,
@@ -98,7 +99,8 @@ pub(super) struct Maps<'a> {
 }
 
 impl Maps<'_> {
-    /// Cells of a map across and down. A cube has no border.
+    /// Cells of a map across and down. A single map has further cells around it, between its outermost samples and a border
+    /// of far samples. Maps of a cube have no border.
     fn cells_along(&self) -> [u64; 2] {
         self.size.map(|side| if self.faces > 1 { u64::from(side).saturating_sub(1) } else { u64::from(side) + 1 })
     }
@@ -139,7 +141,7 @@ impl Plan {
         let contours = contour_shape(pipelines, maps.size, options)?;
         let bits = pipelines.bits().len() as u32;
         let detector = Detector::new(options.method, bits, maps.faces, maps.size);
-        // If the list overflows, draws can decide cells by a threshold alone; otherwise they draw every cell.
+        // `None`: every edge is marked where `depth_cells_count` decides, and where draws decide because the list overflowed.
         let threshold = match options.method {
             DepthMapMethod::Differences { threshold, .. } | DepthMapMethod::Contours { threshold, .. } => {
                 Some(threshold).filter(|_| detector.is_none())
@@ -164,7 +166,8 @@ impl Plan {
         Ok(Self { shape, detector, contours })
     }
 
-    /// Bytes of all buffers. Refuses them if they, or they and the textures, do not fit.
+    /// Bytes of all buffers. Refuses buffers above the limits of the device, and buffers and textures that together exceed
+    /// `memory_limit`.
     fn checked_bytes(
         &self,
         limits: &DispatchLimits,
@@ -183,7 +186,7 @@ impl Plan {
 
 impl DepthMapVolumes {
     /// Makes buffers for maps of `size` texels, on the device of `pipelines`. Frames can be drawn by `pipelines`, or by
-    /// others of the same format and number of bits.
+    /// others of the same device, depth format, direction of depth and number of bits.
     ///
     /// # Errors
     /// [`DepthMapError`] if the size or an option is refused, or the buffers do not fit the device.
@@ -248,8 +251,9 @@ impl DepthMapVolumes {
     /// drawn. If the count exceeds [`Self::capacity`], the list is incomplete, and every cell is drawn.
     ///
     /// With [`DepthMapMethod::Contours`] it lists walls and flaps: their count, three words of 0, then twelve words for
-    /// each. These are four vertices of three words: x and y on the lattice, in 1/256 texel, and the distance from the near
-    /// plane. Sample (1, 1) of the lattice is texel (0, 0). Distances are in 2⁻²⁹ of the range of depths; 2³¹ − 1 is far.
+    /// each. These are four vertices of three words: x and y on the lattice, in 1/256 texel, and a distance. Sample (1, 1)
+    /// of the lattice is texel (0, 0). A distance is the difference of device depth from the near plane, in units of 2⁻²⁹.
+    /// It is 2³¹ − 1 where a wall goes on to infinity.
     pub fn cells(&self) -> &wgpu::Buffer {
         self.contours.as_ref().map_or(&self.buffers.cells, |contours| &contours.buffers.walls)
     }

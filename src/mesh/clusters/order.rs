@@ -1,7 +1,7 @@
 //! The order of faces in space: by the axis that the normal is nearest to, and then along a Hilbert curve.
 //!
-//! Faces with another axis come apart, so both sides of a thin wall do, and the two sides of a sharp edge. In all
-//! clusters but five at most, all normals have one axis in common, which makes the bounds narrow.
+//! The direction of an axis counts, too. So the two sides of a thin wall lie far apart in the order, and so do those of a
+//! sharp edge. At most five clusters have normals near different axes, which makes bounds narrow.
 
 use super::plane::{Batch, Kind, LANES, LARGE, Plane};
 use crate::cpu::Threads;
@@ -14,9 +14,9 @@ const LAST_CELL: u32 = (1 << LEVELS) - 1;
 /// Bits of a face's index. [`crate::mesh::MAX_FACES`] is below 2³⁰.
 const INDEX_BITS: u32 = 30;
 
-/// Faces that no bound is made of, behind those of six axes.
+/// In place of an axis: faces of [`Kind::Irregular`], which come after those of the six axes.
 const IRREGULAR: u32 = 6;
-/// Faces that name a vertex twice.
+/// In place of an axis: faces of [`Kind::Degenerate`], which come last.
 const DEGENERATE: u32 = 7;
 
 /// Planes in the order of the mesh, and the order of faces in space.
@@ -49,10 +49,10 @@ impl Order {
     }
 }
 
-/// The axis that the normal is nearest to, and its direction: 0 to 5. Or why there is none.
+/// The axis that the normal is nearest to, with its direction: 0 to 5. Else [`IRREGULAR`] or [`DEGENERATE`].
 fn axis(plane: &Plane) -> u32 {
     let [[x, y, z], _] = *plane;
-    // The largest component is 1 or −1.
+    // The largest component of a regular plane's normal is 1 or −1.
     let axis = if x.abs() == 1.0 { 0 } else { 1 + u32::from(z.abs() == 1.0) };
     match Kind::of(plane) {
         Kind::Regular => 2 * axis + u32::from([x, y, z][axis as usize] < 0.0),
@@ -61,7 +61,7 @@ fn axis(plane: &Plane) -> u32 {
     }
 }
 
-/// Cubic cells of a box around the first corners of faces.
+/// Cubic cells of a box around first corners of faces: of all, or of each eighth face in a large mesh.
 struct Grid {
     low: [f32; 3],
     cells_per_unit: f32,
@@ -70,7 +70,7 @@ struct Grid {
 impl Grid {
     fn of(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Self {
         let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-        // A part of the faces will do: what lies beyond goes to the outermost cells.
+        // Some of the faces are enough: centres outside the box are in the outermost cells.
         let step = if faces.len() > 4096 { 8 } else { 1 };
         for &[first, ..] in faces.iter().step_by(step) {
             let corner = position(positions, first);
@@ -83,8 +83,8 @@ impl Grid {
         Self { low, cells_per_unit: (1 << LEVELS) as f32 / longest }
     }
 
-    /// The cells of the centres of faces, as three bits for each level. Nothing but speed depends on them. So
-    /// where the numbers are too large or not finite, any cell will do.
+    /// The cells of the centres of faces, as three bits for each level. Masks do not depend on them, only the order of
+    /// slots and the speed. So any cell will do for numbers that are too large or not finite.
     fn cells(&self, batch: &Batch) -> [u32; LANES] {
         let [a, b, c] = &batch.corners;
         let mut cells = [0; LANES];
@@ -103,7 +103,7 @@ impl Grid {
         // A NaN becomes 0.
         let cell = if cell > 0.0 { cell } else { 0.0 };
         let cell = if cell < LAST_CELL as f32 { cell } else { LAST_CELL as f32 };
-        // The lowest bits of 2²³ and a number are the number, rounded. This is quicker than a cast.
+        // The sum with 2²³ has the number, rounded, in its lowest bits. This is quicker than a cast.
         (cell + 8_388_608.0).to_bits() & LAST_CELL
     }
 }
@@ -127,8 +127,8 @@ fn spread(bits: u32) -> u32 {
     (bits | bits << 2) & 0x0924_9249
 }
 
-/// For each state of the curve and two octants, one within the other: their numbers along the curve, and from bit 6 on
-/// the state within.
+/// For each state of the curve and two octants, the second within the first: their numbers along the curve, and from bit 6
+/// on the state within the second.
 static PAIRS: [u16; 24 << 6] = {
     let mut pairs = [0; 24 << 6];
     let mut index = 0;
@@ -142,7 +142,8 @@ static PAIRS: [u16; 24 << 6] = {
 };
 
 /// The number of an octant along the curve, and the state of the curve within. C. Hamilton, "Compact Hilbert Indices"
-/// (2006), section 2: a state is the corner where the curve enters and the axis along which it leaves.
+/// (2006), section 2: a state is the corner where the curve enters, and the axis that leads from there to the corner where it
+/// leaves.
 const fn step(state: u8, octant: u8) -> (u8, u8) {
     let (entry, axis) = (state / 3, state % 3);
     let number = gray_inverse(rotate_right(octant ^ entry, axis + 1));
@@ -172,7 +173,7 @@ const fn entry_of(number: u8) -> u8 {
     even ^ even >> 1
 }
 
-/// The axis along which the curve runs within octant `number`.
+/// The axis that leads from the corner where the curve enters octant `number` to the corner where it leaves it.
 const fn axis_of(number: u8) -> u8 {
     match number {
         0 => 0,

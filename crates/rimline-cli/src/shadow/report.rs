@@ -66,7 +66,7 @@ impl<'a> Report<'a> {
         names.zip(&self.found)
     }
 
-    /// Keys are stable: they are only ever added to.
+    /// Keys may be added, but never change or go.
     pub(super) fn json(&self, args: &ShadowSceneArgs, times: &Times) -> String {
         let lights = &self.set.shaded_lights;
         let of_lights = lights.iter().enumerate().map(|(number, light)| self.light_json(number, light));
