@@ -113,8 +113,8 @@ impl Inputs {
 /// The path that a chain of symbolic links ends at, which need not exist.
 pub(crate) fn end_of_links(name: &Path) -> io::Result<PathBuf> {
     let mut path = name.to_owned();
-    // Chains of 40 links or more count as loops. Linux follows at most 40.
-    for _ in 0..40 {
+    // Chains of more than 40 links count as loops, as on Linux.
+    for _ in 0..=40 {
         match path.read_link() {
             Ok(next) => path = path.parent().unwrap_or(Path::new("")).join(next),
             Err(_) => return Ok(path),
