@@ -1,5 +1,5 @@
 //! Walls over contours by `contour_marks`, `contour_crossings`, `contour_tiles` and `contour_walls`: lists against goldens,
-//! and those that overflow. They are closed, and cross each jump once.
+//! and those that overflow. They are closed, cross each jump once, and lie on rims that are known exactly.
 
 use std::collections::{HashMap, HashSet};
 
@@ -25,6 +25,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("steep_surfaces_end_before_those_behind", before_those_behind),
     ("walls_that_overflow_are_those_of_every_cell", overflow),
     ("walls_are_closed_and_cross_jumps_once", closed),
+    ("contours_lie_on_rims", on_rims),
 ];
 
 /// The unit of distances.
@@ -429,4 +430,125 @@ fn closed() -> Result<(), String> {
     }
     println!("{crossed} edges are crossed");
     if crossed > 20_000 { Ok(()) } else { Err("too few".to_owned()) }
+}
+
+const SIDE: u32 = 96;
+
+/// Body that a map shows before a ground.
+#[derive(Clone, Copy, Debug)]
+enum Body {
+    /// Round towards the light: its depths determine its rim.
+    Ellipsoid,
+    /// Flat, with a round border: only its border determines it.
+    Disc,
+    /// Flat, with a straight border.
+    HalfPlane,
+}
+
+/// A body in a map, in texels.
+#[derive(Clone, Copy, Debug)]
+struct Placed {
+    body: Body,
+    middle: [f64; 2],
+    /// The axis of the ellipse, or what is at right angles to the border.
+    axis: [f64; 2],
+    radii: [f64; 2],
+    /// The slope of the body along x and y.
+    slopes: [f64; 2],
+}
+
+impl Placed {
+    fn random(body: Body, random: &mut Random) -> Self {
+        let mut between = |low: f32, high: f32| f64::from(random.between(low, high));
+        let angle = between(0.0, std::f32::consts::TAU);
+        Self {
+            body,
+            middle: [between(40.0, 56.0), between(40.0, 56.0)],
+            axis: [angle.cos(), angle.sin()],
+            radii: [between(12.0, 36.0), between(12.0, 36.0)],
+            slopes: [between(-0.001, 0.001), between(-0.001, 0.001)],
+        }
+    }
+
+    /// More than 0 within the body. The square of the height, of an ellipsoid.
+    fn inside(&self, [x, y]: [f64; 2]) -> f64 {
+        let [x, y] = [x - self.middle[0], y - self.middle[1]];
+        let along = x * self.axis[0] + y * self.axis[1];
+        let across = y * self.axis[0] - x * self.axis[1];
+        match self.body {
+            Body::HalfPlane => along,
+            Body::Ellipsoid | Body::Disc => 1.0 - (along / self.radii[0]).powi(2) - (across / self.radii[1]).powi(2),
+        }
+    }
+
+    fn depth(&self, position: [f64; 2]) -> f64 {
+        let inside = self.inside(position);
+        if inside <= 0.0 {
+            return 0.9;
+        }
+        let height = if matches!(self.body, Body::Ellipsoid) { 0.2 * inside.sqrt() } else { 0.0 };
+        0.5 + self.slopes[0] * (position[0] - 48.0) + self.slopes[1] * (position[1] - 48.0) - height
+    }
+
+    fn map(&self, is_reversed: bool) -> Map {
+        Map::new([SIDE; 2], is_reversed, |texel| {
+            let depth = self.depth([texel % SIDE, texel / SIDE].map(|at| f64::from(at) + 0.5));
+            if is_reversed { 1.0 - depth as f32 } else { depth as f32 }
+        })
+    }
+
+    /// Where the border is on an edge, in parts of a texel from its first sample on.
+    fn crossing(&self, at: [u32; 2], axis: usize) -> f64 {
+        let on = |along: f64| {
+            let mut position = at.map(|at| f64::from(at) - 0.5);
+            position[axis] += along;
+            self.inside(position) > 0.0
+        };
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..40 {
+            let middle = f64::midpoint(low, high);
+            if on(middle) == on(0.0) { low = middle } else { high = middle }
+        }
+        low
+    }
+}
+
+/// Errors of crossings in the mean, in texels.
+fn on_rims() -> Result<(), String> {
+    let (gpu, mut random) = Gpu::seeded(1691)?;
+    // Segments go through the crossings that they join, so these move by rounding to 1/256 texel alone.
+    let fit = Fit { threshold: 1.0 / 2048.0, sideways: 0.0, depth: 0.0, slope_bias: 1.0 };
+    // The middle of an edge is a fourth of a texel off in the mean.
+    for (body, most) in [(Body::Ellipsoid, 0.03), (Body::Disc, 0.13), (Body::HalfPlane, 0.095)] {
+        // Sums of errors, those of the middles of edges, and those of the other side of edges.
+        let (mut edges, mut off) = (0, [0.0; 3]);
+        for round in 0..if is_long() { 400 } else { 30 } {
+            let placed = Placed::random(body, &mut random);
+            let formats = [TextureFormat::R32Float, TextureFormat::Depth24Plus, TextureFormat::Depth16Unorm];
+            let map = rounded(&placed.map(round % 2 == 1), formats[round % 3]);
+            let options = DepthMapOptions { rounded_to: Some(formats[round % 3]), ..fit.options() };
+            let vertices = walls_of(&gpu, &map, None, options)?.concat();
+            // Vertices on edges, but for the outermost, which lead out of the map.
+            for [x, y] in vertices.iter().map(|vertex| [vertex[0], vertex[1]]).collect::<HashSet<_>>() {
+                let at = [x, y].map(|along| along as u32 / 256);
+                let axis = usize::from(x % 256 == 0);
+                let crossing = [x, y][axis] % 256;
+                if crossing == 0 || [x, y][1 - axis] % 256 != 0 || at.iter().any(|at| !(2..SIDE - 1).contains(at)) {
+                    continue;
+                }
+                let (crossing, truth) = (f64::from(crossing) / 256.0, placed.crossing(at, axis));
+                edges += 1;
+                [crossing, 0.5, 1.0 - crossing]
+                    .into_iter()
+                    .zip(&mut off)
+                    .for_each(|(at, off)| *off += (at - truth).abs());
+            }
+        }
+        let off = off.map(|off| off / f64::from(edges));
+        println!("{body:?}: {edges} edges, off in the mean, their middles, and other sides: {off:?}");
+        if edges < 1000 || off[0] > most || off[1].min(off[2]) < most {
+            return Err(format!("{body:?}: {edges} edges, {off:?} texels off, most is {most}"));
+        }
+    }
+    Ok(())
 }
