@@ -309,15 +309,75 @@ pub(crate) fn distance(map: &Map, [x, y]: [i32; 2]) -> Option<i64> {
     (!is_far).then(|| units.min(UNIT as i64 - 1))
 }
 
-/// Whether there is a jump between two neighbours, where they alone decide: one is far, they are of two objects, or their
-/// distances differ by no more than the threshold. `None` where the samples beside them decide: goldens hold those marks.
-fn jump(map: &Map, numbers: Option<&[u32]>, threshold: i64, ends: [[i32; 2]; 2]) -> Option<bool> {
-    let [a, b] = ends.map(|at| distance(map, at));
-    let (Some(a), Some(b)) = (a, b) else { return Some(a.is_some() != b.is_some()) };
+/// Whether the distances of five samples, from a rim inwards, are those of a conic that ends along a ray of the light:
+/// the squares of their differences from the rim's own are a quadratic polynomial. For maps of floats.
+fn is_round(map: &Map, z: &[i64]) -> bool {
+    let rises: Vec<_> = z.iter().map(|distance| z[0] - distance).collect();
+    let off = if map.is_reversed { (UNIT as i64 - z[0]) >> 21 } else { 128 };
+    if rises.windows(2).any(|pair| pair[0] >= pair[1]) || rises[1] < 1024.max(16 * off) {
+        return false;
+    }
+    // With eleven bits of the first difference.
+    let shift = (rises[1].ilog2() + 1).saturating_sub(11);
+    let rises: Vec<_> = rises.iter().map(|rise| rise >> shift).collect();
+    let differences: Vec<_> = rises.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let bend = differences[0] - 2 * differences[1] + differences[2];
+    if differences.iter().any(|&difference| difference > differences[0]) || bend <= 0 {
+        return false;
+    }
+    // The third difference of (rim + rise)² is 0, which is linear in the rim.
+    let cube = |of: [i64; 4]| of[3] - 3 * of[2] + 3 * of[1] - of[0];
+    let four = [rises[0], rises[1], rises[2], rises[3]];
+    let (squares, linear) = (cube(four.map(|rise| rise * rise)), 2 * cube(four));
+    if -squares * linear.signum() < 0 || squares.abs() / bend > 16 * differences[0] {
+        return false;
+    }
+    let rim = -squares / linear;
+    let further = [rises[1], rises[2], rises[3], rises[4]].map(|rise| (rim + rise) * (rim + rise));
+    cube(further).abs() <= differences[0] * differences[0] / 8
+}
+
+/// Whether there is a jump between neighbours: the whole rule, by independent code, which shares no constant with the stage.
+fn is_jump(map: &Map, numbers: Option<&[u32]>, threshold: i64, at: [i32; 2], step: [i32; 2]) -> bool {
+    let there = |count: i32| [at[0] + count * step[0], at[1] + count * step[1]];
+    let values: Vec<_> = (-3..=4).map(|count| distance(map, there(count))).collect();
+    let difference = |first: usize| Some(values[first + 1]? - values[first]?);
+    let (Some(a), Some(b)) = (values[3], values[4]) else { return values[3].is_some() != values[4].is_some() };
     let number =
         |[x, y]: [i32; 2]| numbers.map(|numbers| numbers[((y - 1) as u32 * map.size[0] + (x - 1) as u32) as usize]);
-    let [object, other] = ends.map(number);
-    if object == other { ((b - a).abs() <= threshold).then_some(false) } else { Some(true) }
+    if number(at) != number(there(1)) {
+        return true;
+    }
+    let jump = (b - a).abs();
+    if jump <= threshold {
+        return false;
+    }
+    // The sign makes the second sample the farther one.
+    let sign = if b > a { 1 } else { -1 };
+    let (nearer, farther) = if b > a { ([2, 1], [4, 5]) } else { ([4, 5], [2, 1]) };
+    let beside = |first: usize| difference(first).map(|difference| sign * difference);
+    if [nearer[0], farther[0]].into_iter().filter_map(beside).any(|beside| (jump - beside).abs() <= threshold) {
+        return false;
+    }
+    let slope = |[first, second]: [usize; 2]| match (beside(first), beside(second)) {
+        (Some(a), Some(b)) if a.signum() * b.signum() >= 0 && (a >= 0) == (b >= 0) => {
+            if a.abs() < b.abs() {
+                a
+            } else {
+                b
+            }
+        }
+        _ => 0,
+    };
+    let before = beside(nearer[0]).unwrap_or(0);
+    // The next edge rises more, or leads to nothing, and the surface is round up to here.
+    let towards = if b > a { [4, 3, 2, 1, 0] } else { [3, 4, 5, 6, 7] };
+    let round: Option<Vec<_>> = towards.into_iter().map(|at| values[at]).collect();
+    if beside(farther[0]).is_none_or(|after| after > jump) && round.is_some_and(|z| is_round(map, &z)) {
+        return false;
+    }
+    let is_alone = beside(farther[0]).is_some_and(|after| before.max(after) / 2 < jump / 4);
+    (jump > 16 * threshold || is_alone) && jump - slope(nearer).max(slope(farther)) > threshold
 }
 
 /// Whether the way from one sample to the next crosses a segment, neither through its end.
@@ -330,7 +390,7 @@ fn crosses([a, b]: [[i64; 2]; 2], [p, q]: [[i64; 2]; 2]) -> bool {
     is_between && side(p, q, a) * side(p, q, b) < 0
 }
 
-/// Checks that ends of walls cancel, and that the walls cross each jump once, no other edge, and none twice.
+/// Checks that ends of walls cancel, and that the walls cross each jump once and no other edge.
 fn check_closed(map: &Map, numbers: Option<&[u32]>, threshold: i64, quads: &[Quad]) -> Result<usize, String> {
     // The vertical ends: at each position and distance as many go down as go up.
     let mut ends: HashMap<[i32; 3], i32> = HashMap::new();
@@ -382,9 +442,9 @@ fn check_closed(map: &Map, numbers: Option<&[u32]>, threshold: i64, quads: &[Qua
             continue;
         }
         let found = crossings.get(&([x, y].map(i64::from), axis)).copied().unwrap_or(0);
-        let jump = jump(map, numbers, threshold, [[x, y], [x + step[0], y + step[1]]]);
-        if jump.map_or(found > 1, |is_jump| found != usize::from(is_jump)) {
-            return Err(format!("{found} walls cross from {:?} along {axis}, a jump: {jump:?}", [x, y]));
+        let is_marked = is_jump(map, numbers, threshold, [x, y], step);
+        if found != usize::from(is_marked) {
+            return Err(format!("{found} walls cross from {:?} along {axis}, a jump: {is_marked}", [x, y]));
         }
         crossed += found;
     }
