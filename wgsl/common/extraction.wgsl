@@ -4,20 +4,21 @@
 // edge record is a directed edge (a, b) with its faces, in two words. The first: face 0, which traverses it from a to b, and
 // the bit INCONSISTENT. The second: face 1, or NO_FACE.
 
-const NO_FACE: u32 = 0xffffffffu; // In the second word of a record, which never has INCONSISTENT.
+// In the second word of a record, which never has INCONSISTENT. Callers of queries write it for points on no face.
+const NO_FACE: u32 = 0xffffffffu;
 // Bit 31 of the first word of a record (in `per_edge`, of its first vertex): face 1 traverses the edge in the direction of
 // face 0.
 const INCONSISTENT: u32 = 0x80000000u;
-// Bit 31 of an entry of a list of silhouette edges: face 0 faces the list's light. It is the winding of the edge's side.
+// Bit 31 of an entry of a list of silhouette edges or sides: the winding, by `EdgeMasks` or `EdgeSide`.
 const WINDING: u32 = 0x80000000u;
-// Edges of a workgroup of `compact`, and its invocations.
+// Edges of a workgroup of `compact`, and its invocations. Rust's WORKGROUP is also the 256 in other files: change all.
 const BLOCK: u32 = 256u;
 
 // A batch of up to 32 lights, one bit each, and the layout of the positions.
 struct LightBatch {
   // Homogeneous (x, y, z, w), scaled by a power of two so that the largest absolute component is at least 1 and below 2. A
-  // light of zeros stays. Scaling changes no sign. Here and in the next two arrays, entries past `count` repeat the last
-  // light.
+  // light of zeros stays. Scaling changes no sign. Here and in the next two arrays, entries that are not active repeat the
+  // last light.
   lights: array<vec4<f32>, 32>,
   light_bits: array<vec4<u32>, 32>, // The lights as given, bit for bit.
   // |w| of the scaled lights, four lights a vector, for the error of products: 0 if w is a power of two,
@@ -26,7 +27,7 @@ struct LightBatch {
   // x: the largest of |x|, |y|, |z| of all scaled lights. y: the largest of all their |w| and `inexact_w`.
   magnitudes: vec2<f32>,
   count: u32,
-  active_bits: u32, // The lowest `count` bits.
+  active_bits: u32, // The lowest `count` bits. In a scene those of lights that the caster does not have are 0.
   // The word of vertex 0 in the bound positions, and the words from one vertex to the next.
   position_offset: u32,
   position_stride: u32,
@@ -65,6 +66,7 @@ alias StatisticsWord = u32;
 alias StatisticsWord = atomic<u32>;
 #endif
 
+// `chunks` and `list_sides` decide by `exact_zeros`, and `counting_methods` by `twisted_lights`. A polygon counts as a face.
 struct ExtractionStatistics {
   non_finite_faces: StatisticsWord, // Faces with an infinite or NaN vertex. They face no light.
   // Lists that overflowed. The draws of their lights have an instance for every edge; the vertex shader drops the others.
