@@ -22,9 +22,9 @@ struct RimlineInfo {
   vertices_per_edge: u32,
 }
 
-// A silhouette edge for one light.
+// An edge for one light.
 struct RimlineSilhouette {
-  // False: draw nothing; the other members have no meaning. The list overflowed, and this edge is no silhouette.
+  // False: no silhouette, so draw none. A list that overflowed has such edges. `winding` has no meaning.
   valid: bool,
   // The index of the edge record, and its vertices. Face 0 traverses the edge a -> b.
   edge: u32,

@@ -2,7 +2,8 @@
 // casters (casters of one page that read one position buffer). Both files below define these functions. In a scene the
 // first two store the caster of their edge in a private variable. `outlined_first_face`, `outlined_position` and
 // `outlined_offset` read it, so call one of the first two before them. `RimlineSilhouette` is in extract/results.wgsl. Its
-// member `valid` tells whether the edge is a silhouette.
+// `edge`, `a`, `b` and `kind` must hold also if the edge is no silhouette (`valid`): `outline_feature` draws creases.
+// `edge` below is that member, which is no slot.
 //
 // * `outlined_silhouette(instance) -> RimlineSilhouette`: the edge of an instance of the light's indirect draw.
 // * `outlined_record(slot) -> RimlineSilhouette`: the edge in a slot, which is an edge's index in an extraction.
