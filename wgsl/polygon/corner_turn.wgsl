@@ -3,8 +3,8 @@
 // decides if it can, then fixed point, then `exact_sign`, so all devices have the same sign. If the determinant is 0, the
 // light moves by (e, e^2, e^3) for an infinitely small e. Then the sign is the first that is not 0 with the axes x, y, z for
 // the light. All callers must share this rule, or their results for one boundary contradict each other. Also the rounded
-// value of the determinant, for the order of cuts. Points are the bits of positions, and must be finite. `Turns:` above a
-// loop is its most iterations. Claims: docs/numerics/polygons.md.
+// value of the determinant, for the order of cuts. Points are the bits of positions, finite and without -0 (`position_of`).
+// `Turns:` above a loop is its most iterations. Claims: docs/numerics/polygons.md.
 
 #import common/determinant
 #import common/exact_sign
@@ -12,9 +12,9 @@
 #import extract/one_caster
 
 struct Turn {
-  // For the sign light. It is 0 only if the points are in line.
+  // 0 only if the points are in line.
   sign: i32,
-  // The light that decides it: 0 the given one, 1 to 3 an axis, or `IN_LINE`.
+  // The light that decides `sign`: 0 the given one, 1 to 3 an axis, or `IN_LINE`.
   tie: u32,
 }
 
@@ -80,7 +80,7 @@ fn is_between(p: vec3<u32>, middle: vec3<u32>, q: vec3<u32>) -> bool {
 struct TurnValue {
   // False: fixed point does not hold it.
   fits: bool,
-  // The determinant over 2^exponent.
+  // The determinant is value * 2^(exponent - 447). In ratios, all that callers take, the 447 cancels.
   value: f32,
   exponent: i32,
 }
@@ -134,7 +134,7 @@ fn times_power(value: f32, exponent: i32) -> f32 {
 }
 
 // |first| / (|first| + |second|) for turns of opposite signs. It is the fraction of an edge, from the end with turn `first`,
-// at which it crosses another edge's plane. 0.5 if both are 0. Both must fit.
+// at which it crosses another edge's plane. 0.5 if both are 0. If one does not fit, it has no meaning.
 fn fraction_from_turns(first: TurnValue, second: TurnValue) -> f32 {
   if (first.value == 0.0 || second.value == 0.0) {
     return select(select(1.0, 0.0, second.value != 0.0), 0.5, first.value == second.value);
