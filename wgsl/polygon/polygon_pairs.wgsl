@@ -1,5 +1,5 @@
 // Polygon pairs: tests all pairs of edges of the boundaries that `polygon_turns` left undecided, for each undecided light.
-// `undecided` has a record for each such polygon, and entries, parts of the work of a record (polygon/boundaries.wgsl).
+// `undecided` has their records, and entries, parts of the work of a record (polygon/boundaries.wgsl).
 // Dispatched indirectly after `polygon_turns`, a workgroup an entry. For a small boundary an entry has up to 4 edges and 16
 // lights, an invocation each; for a large one it has an edge and a light, which all invocations share. It sets bits of the
 // record, in any order: edges meet; winding numbers on the left of edges; all corners lie in a half-space; something is off
@@ -65,6 +65,7 @@ fn has_contact(e: Edge, f: Edge, turns: PairTurns) -> bool {
   let sides_at_e = turns.at_e.x * turns.at_e.y;
   let sides_at_f = turns.at_f.x * turns.at_f.y;
   if (sides_at_e < 0 && sides_at_f < 0) {
+    // If not, each crosses the opposite directions of the other.
     return turns.at_e.x == turns.at_f.y;
   }
   return (sides_at_e == 0 && sides_at_f < 0) || (sides_at_e < 0 && sides_at_f == 0);
@@ -188,7 +189,7 @@ fn orientation_by_pairs(boundary: PolygonBoundary, work: Work, lane: u32) {
         add_pair(slot, work.edge, other.edge, turns);
       }
     }
-    // Each phase reads the result of the other half.
+    // The next phase reads it.
     if (phase.is_pairs || (!phase.is_check && lane < phase.half)) {
       rightmost[lane] = best;
     }

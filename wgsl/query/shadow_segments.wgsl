@@ -35,7 +35,7 @@ struct Segment {
   d: vec3<f32>,
   // The largest component of `sizes`.
   size: f32,
-  // |d|, plus |w p| if w p is inexact, as LightBatch.inexact_w says. For bounds of errors.
+  // |d| + inexact_w |p|, for bounds of errors (LightBatch).
   sizes: vec3<f32>,
   // Whether the coordinates of p are small enough for f32 to decide. Boxes and faces are tested, too.
   is_certain: bool,

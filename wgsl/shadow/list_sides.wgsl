@@ -2,9 +2,9 @@
 // lights), in a view. A side is the quad from an edge away from the light.
 // Dispatched after `caps` for each group of casters, light batch and view; a row of workgroups shares the edges of a
 // light.
-// Reads: choices, facing masks, excluded masks, and the silhouettes that `edges` listed. If that list overflowed, or if a
-// caster of the group may have excluded faces (`GroupChoices`), the stage goes over all edges instead.
-// Writes: lists, in arbitrary order, for `shadow_arguments`, `sides` and `stencil_crossings`. Only dirty lists are written.
+// Reads: choices, which `caps` completes, facing masks, excluded masks, and the silhouettes that `edges` listed. If that
+// list overflowed, or a caster of the group can have excluded faces (`has_all_silhouettes`), it goes over all edges.
+// Writes: dirty lists, which `relist` emptied, in arbitrary order, for `shadow_arguments`, `sides` and `stencil_crossings`.
 // The weight of a side follows from the facing and excluded bits of the faces of its edge. Caps follow from the same bits,
 // so volumes are closed.
 // docs/numerics/watertight.md.
