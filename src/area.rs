@@ -147,8 +147,8 @@ fn cell(index: usize, count: usize) -> f64 {
     (index as f64 + 0.5) / count as f64
 }
 
-/// The fraction of the golden ratio. `PLASTIC` is the fraction of the plastic number's square, which is its counterpart
-/// in one more dimension.
+/// The reciprocal of the golden ratio. `PLASTIC` is that of the plastic number's square, its counterpart in one more
+/// dimension.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 const PLASTIC: f64 = 0.569_840_290_998_053_3;
 

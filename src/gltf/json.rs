@@ -185,7 +185,7 @@ fn expect<T>(found: Option<T>, expected: &str, value: &Value, json_path: JsonPat
     found.ok_or_else(|| wrong(json_path(), expected, value))
 }
 
-/// An error about a value. It quotes the value, shortened.
+/// An error about a value. It quotes a plain value, shortened.
 pub(super) fn wrong(json_path: String, expected: &str, value: &Value) -> GltfError {
     let found = match value {
         Value::Array(_) => "an array".to_owned(),

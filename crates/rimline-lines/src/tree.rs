@@ -14,7 +14,7 @@ pub(crate) struct Box3 {
 }
 
 impl Box3 {
-    /// Axes of a page, and of depths.
+    /// The page with its depths.
     pub(crate) const UNIT: Self = Self { low: [0.0; 3], high: [1.0; 3] };
     pub(crate) const EMPTY: Self = Self { low: [f32::INFINITY; 3], high: [f32::NEG_INFINITY; 3] };
 
@@ -96,13 +96,13 @@ fn positions_of(mut mask: u32) -> impl Iterator<Item = usize> {
 }
 
 /// Items in the order of a curve through space. Rows of the first level have their boxes, those of each other level the boxes around
-/// the rows of the one below; the last level is one row.
+/// the rows of the one below; the last level has one row, or none.
 pub(crate) struct Tree<T> {
     levels: Vec<Vec<Row>>,
     items: Vec<T>,
 }
 
-/// Items or rows at a time.
+/// Items at a time.
 const RUN: usize = 1 << 14;
 /// Rows whose pairs are looked for at a time.
 const PAIR_RUN: usize = 1 << 8;
@@ -287,7 +287,7 @@ impl Curve {
 mod tests {
     use super::*;
 
-    /// Trees of one row, of two and of three levels find the pairs that all pairs of boxes have, and what each box meets.
+    /// Trees of up to four levels find the pairs that all pairs of boxes have, and what each box meets.
     #[test]
     fn trees_miss_nothing() {
         let mut state = 1_u32;

@@ -6,7 +6,7 @@ use egui::{Event, Modifiers, PointerButton, Pos2, TouchDeviceId, TouchId, TouchP
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pointer {
     pub(crate) is_touch: bool,
-    /// Whether it is the first finger.
+    /// Whether a finger is the first.
     pub(crate) is_primary: bool,
     pub(crate) id: i32,
     pub(crate) pos: Pos2,
@@ -18,7 +18,7 @@ pub(crate) struct Pointer {
     pub(crate) modifiers: Modifiers,
 }
 
-/// The last state of mice and pens.
+/// Where the last pointer was, and the buttons of mice and pens.
 #[derive(Debug, Default)]
 pub(crate) struct Pointers {
     at: Pos2,
