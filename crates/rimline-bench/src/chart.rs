@@ -11,7 +11,7 @@ use resvg::{tiny_skia, usvg};
 
 use crate::row::Mark;
 
-/// Colours of marks, told apart by people who do not see all colours (Okabe and Ito, "Color Universal Design", 2008),
+/// Colours of marks, distinct for people who do not see all colours (Okabe and Ito, "Color Universal Design", 2008),
 /// for a light and for a dark ground; the dark ones are lifted where the original would sink.
 pub(crate) const PALETTE: [[&str; 2]; 8] = [
     ["#D55E00", "#E8793A"],

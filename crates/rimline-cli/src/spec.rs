@@ -195,7 +195,7 @@ pub(crate) fn area(text: &str) -> Result<AreaSpec, String> {
 
 /// The largest intensity, color and exponent: sums and products of all lights stay far below the largest float.
 const MOST_LAMP: f32 = 1e9;
-/// The largest size of a light's shape, so that places on it stay finite.
+/// The largest size of a light's shape, so that points on it stay finite.
 const MOST_AREA_SIZE: f32 = 1e30;
 /// The largest width and height of a picture. Devices have limits of their own, which are lower.
 const MOST_PIXELS: u32 = 1 << 16;

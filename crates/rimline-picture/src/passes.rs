@@ -222,7 +222,7 @@ pub enum Onto {
     Lit,
     /// The nearest again, where the stencil is not 0; which it is afterwards.
     Shadowed,
-    /// The nearest again, whatever the stencil.
+    /// The nearest again, for any stencil.
     Again,
 }
 

@@ -50,7 +50,7 @@ fn identity(options: &str, files: &[&Path]) -> String {
 }
 
 impl<'a> Frames<'a> {
-    /// Claims the folder before long work: a place that cannot be had is known at once.
+    /// Claims the folder before long work: a folder that cannot be had is known at once.
     pub(super) fn begin(args: &'a FilmArgs) -> Result<Self, Failure> {
         check_folder(
             &args.out,

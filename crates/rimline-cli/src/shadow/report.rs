@@ -232,7 +232,7 @@ pub(super) struct ResultFiles {
     /// Not open: a process may have a thousand files open, and there may be as many lights.
     pub(super) masks: Vec<PathBuf>,
     pub(super) maps: Vec<PathBuf>,
-    /// The files that are complete. They take their places together.
+    /// The files that are complete. They are finished together.
     pub(super) filled: Vec<Filled>,
     /// Names of picture and masks, and names of maps.
     pub(super) names: [Vec<PathBuf>; 2],
@@ -244,7 +244,7 @@ impl ResultFiles {
         args.out.as_deref().map_or(Ok(()), |out| check_ending(out, "png"))
     }
 
-    /// Begins those whose names are known from the command line, so that an unwritable place is known at once.
+    /// Begins those whose names are known from the command line, so that an unwritable path is known at once.
     pub(super) fn begin(args: &ShadowArgs, inputs: &Inputs) -> Result<Self, Failure> {
         args.out.as_deref().map_or(Ok(()), |out| inputs.spare(out))?;
         // There is a first light in any case; how many there are is known later.
