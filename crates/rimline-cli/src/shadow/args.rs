@@ -353,16 +353,16 @@ Keys of --json: adapter, method, mode, origin (only where it is not zero), files
 counts of all files together), may_wrap (the number of lights or samples whose counts may exceed 255, the most that \
 the stencil holds, and are not made in batches: places in their shadow may look lit), lights (a list of light, range, color and casters, a list of \
 file, casting, counting, silhouette_edges, each with one value a sample of a light with an area; casting and counting are the \
-most that any instance in the file needs; with --hide-covered also covered: tried, hidden, undecided, without_room and left_out \
+most that any instance in the file needs; with --hide-covered also occluded: tried, occluded, undecided, without_room and left_out \
 count faces of all files, sides and sides_left are the sides of shadow volumes before and after; with --from-depth or --depth \
 also \
 depth_map: size, side (null unless square), maps, reconstruction (triangles or contours), cells (those that the boundary of the shadow has \
 triangles in, null with contours), walls (with their flaps; null but with contours) and overflowed (whether these are more than their list has \
 room for: every cell is drawn then); casting is then depth map, and counting and method are parity), statistics (a list, one \
 for each file, of file, skipped, every_face, \
-capped, count_bound, may_wrap, overflowed_caps, undecided_pairs, overflowed_lists; count_bound, may_wrap and \
+near_capped, count_bound, may_wrap, overflowed_caps, undecided_pairs, overflowed_lists; count_bound, may_wrap and \
 overflowed_caps are null where there are several files), totals (of all files: skipped and every_face count pairs of \
-instance and light, capped lights, once for each group of instances that are drawn together, then overflowed_caps, overflowed_sides, undecided_pairs, overflowed_lists, covered_faces: those \
+instance and light, near_capped lights, once for each group of instances that are drawn together, then overflowed_caps, overflowed_sides, undecided_pairs, overflowed_lists, occluded_faces: those \
 left out), milliseconds \
 (by stage, null where only their sum is known), set_up_milliseconds (opening the device, pipelines, compiling shaders), work_milliseconds (all other \
 stages).";

@@ -110,7 +110,7 @@ impl Choice {
             };
             let casting = match (casts, every) {
                 (false, _) => Self::NOTHING,
-                (true, false) => "averted",
+                (true, false) => "back-facing",
                 (true, true) => Self::EVERY,
             };
             Self { casting, counting }
