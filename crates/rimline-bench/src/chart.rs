@@ -1,5 +1,5 @@
 //! Charts as SVG: curves and points in a plane, and rows of bars or dots. The caller supplies the data; this module knows
-//! nothing of silhouettes.
+//! nothing of silhouettes. With plotters, axes would be ours in any case, and its calls take more lines than this module.
 //!
 //! The report's style sheet replaces the colours on a dark ground; PNG files are made of the same SVG.
 
