@@ -232,9 +232,9 @@ pub(crate) struct ShadowArgs {
     #[arg(long, conflicts_with = "area")]
     pub(crate) hide_covered: bool,
 
-    /// Let each light see the models in a depth map of SIDE × SIDE texels, 3 to 4096, and rebuild the shadows from it,
-    /// without silhouettes. Without a number, SIDE is 1024. A light among the models has six maps. Borders of shadows
-    /// are off by up to a texel. For comparison, and to try out depth maps
+    /// Let each light see the models in a depth map of SIDE × SIDE texels, 3 to 4096, 1024 without a number, and rebuild
+    /// the shadows from it, without silhouettes. A light among the models has six maps. Borders of shadows are off by up
+    /// to a texel. For comparison, and to try out depth maps
     #[arg(
         long,
         value_name = "SIDE",
@@ -265,11 +265,9 @@ pub(crate) struct ShadowArgs {
     /// With --from-depth or --depth: how shadows are found in a map. `automatic`, the default with --from-depth, takes
     /// edges where depths jump by more than slopes beside them tell; `every` takes all, and is the default with
     /// --depth; `differences` those where device depths differ by more than T, 0 to 1; `second` by more than HIGH, or
-    /// by more than LOW and than beside them. `contours` draws walls over contours that are traced along jumps of more
-    /// than T and fitted to 0.1 texels and 4 T of depth: fewer triangles and smoother borders, but specks at rims of
-    /// facets close to the eye. All but `every` and `automatic` take one map a light with --from-depth. Edges between
-    /// `objects` of a file of --depth are taken, too. Unless every edge is taken, the models must then contain all that
-    /// a map casts, at the same position. A threshold that is too large turns shadows round in streaks
+    /// by more than LOW and than beside them; `contours` draws walls over smooth contours of jumps of more than T. With
+    /// all but `automatic` and `every` --from-depth takes one map a light, and with all but `every` the models must
+    /// contain all that a map casts, at the same position. A threshold that is too large turns shadows round in streaks
     #[arg(
         long,
         value_name = "automatic|every|differences=T|second=LOW,HIGH|contours=T",
