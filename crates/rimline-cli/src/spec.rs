@@ -137,7 +137,7 @@ impl ShadedLightSpec {
         let at_a_point =
             [("range", self.range.is_some()), ("cone", self.cone.is_some()), ("target", self.target.is_some())];
         if let Some((option, _)) = at_a_point.into_iter().find(|(_, is_given)| light.w == 0.0 && *is_given) {
-            let why = "is measured from a light's place, but it is at infinity";
+            let why = "is measured from a light's position, but it is at infinity";
             return Err((false, format!("{option}= {why}; leave {option}= out, or write point:x,y,z")));
         }
         if self.target.is_some() && self.cone.is_none() && of_file.is_none_or(|light| light.cone.is_none()) {

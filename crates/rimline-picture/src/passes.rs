@@ -49,9 +49,9 @@ pub enum Mode {
     /// Each light adds its light where it is not in shadow.
     #[default]
     Additive,
-    /// Full light; places in the shadow of any light have ambient light only.
+    /// Full light; points in the shadow of any light have ambient light only.
     Ambient,
-    /// Full light; places in the shadow of any light are black.
+    /// Full light; points in the shadow of any light are black.
     Black,
     /// Full light; each shadow halves it.
     Composited,

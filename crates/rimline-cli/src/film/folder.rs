@@ -85,7 +85,7 @@ impl Film for Frames<'_> {
             let file = self.file(frame);
             inputs.spare(&file)?;
             if file.is_dir() {
-                let why = "it is a folder; remove it, or choose another place for the film";
+                let why = "it is a folder; remove it, or choose another folder for the film";
                 return Err(Failure::output(&file)(io::Error::other(why)));
             }
         }

@@ -45,9 +45,9 @@ const MODES: [Named<Mode>; 4] = [
         "additive",
         "Ambient light, plus each light where it is not in shadow. Right for any number of lights",
     ),
-    (Mode::Ambient, "ambient", "Full light; places in the shadow of any light have ambient light only"),
-    (Mode::Black, "black", "Full light; places in the shadow of any light are black"),
-    (Mode::Composited, "composited", "Full light; each shadow on a place halves its light, highlights included"),
+    (Mode::Ambient, "ambient", "Full light; points in the shadow of any light have ambient light only"),
+    (Mode::Black, "black", "Full light; points in the shadow of any light are black"),
+    (Mode::Composited, "composited", "Full light; each shadow on a point halves its light, highlights included"),
 ];
 
 /// Reads one of these values by its name.
@@ -130,7 +130,7 @@ pub(crate) struct ShadowSceneArgs {
     #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = clap::value_parser!(u32).range(1..=MOST_SAMPLES))]
     samples: Option<u32>,
 
-    /// Give every pixel the same samples of areas, for measurements: the light at a place is then the share of samples that reach
+    /// Give every pixel the same samples of areas, for measurements: the light at a point is then the share of samples that reach
     /// it, and soft shadows show one step for each sample. Without it, neighbouring pixels use different samples, out of
     /// 16 times as many
     #[arg(long)]
@@ -349,7 +349,7 @@ World space is right-handed with +Y up. The ground is visible from above only: a
 
 Keys of --json: adapter, method, mode, origin (only where it is not zero), files, faces, samples (of a light with an area, else 1), count_bound (an upper bound of the stencil \
 counts of all files together), may_wrap (the number of lights or samples whose counts may exceed 255, the most that \
-the stencil holds, and are not made in batches: places in their shadow may look lit), lights (a list of light, range, color and casters, a list of \
+the stencil holds, and are not made in batches: points in their shadow may look lit), lights (a list of light, range, color and casters, a list of \
 file, casting, counting, silhouette_edges, each with one value a sample of a light with an area; casting and counting are the \
 most that any instance in the file needs; with --hide-covered also occluded: tried, occluded, undecided, without_room and left_out \
 count faces of all files, sides and sides_left are the sides of shadow volumes before and after; with --from-depth or --depth \

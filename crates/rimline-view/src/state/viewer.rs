@@ -372,7 +372,7 @@ impl Viewer {
     fn copied(&mut self, how: String, details: String) {
         let mut text = how;
         if self.is_built_in {
-            text += "; a built-in scene has no file: put one in the place of FILE";
+            text += "; a built-in scene has no file: replace FILE by one";
         }
         let lacking = self.not_in_command();
         if !lacking.is_empty() {
