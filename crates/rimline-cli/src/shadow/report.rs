@@ -180,8 +180,7 @@ impl<'a> Report<'a> {
         for found in self.occlusion.iter().flat_map(|occlusion| &occlusion.found) {
             let OcclusionStatistics { tried, occluded, left_out, sides, sides_left, .. } = found.statistics();
             let value = format!(
-                "{occluded} of {tried} faces are occluded from the light, {left_out} left out; sides {sides} \
-                 before, {sides_left} after"
+                "{occluded} of {tried} faces are occluded, {left_out} left out; sides {sides} before, {sides_left} after"
             );
             lines.line("occluded", value);
         }
