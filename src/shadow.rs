@@ -273,7 +273,7 @@ impl ShadowCamera {
         }
         let near_w = w.w - growth * plane.w;
         // Where w shrinks behind the plane, the plane is the far plane. The two planes of an orthographic camera cannot
-        // be told apart.
+        // be distinguished.
         if near_w <= 0.0 || growth < 0.0 {
             return Err(CameraError::Backwards);
         }

@@ -252,7 +252,7 @@ fn wall() -> Shape {
     Shape { positions, faces: vec![[0, 1, 2], [0, 2, 3]] }
 }
 
-/// `count` bodies at random places on the ground.
+/// `count` bodies at random positions on the ground.
 fn strewn(seed: u64, count: usize, far: f32, shape: &Shape, scale: impl Fn(&mut Random) -> [f32; 3]) -> Vec<Shape> {
     let mut random = Random::new(seed);
     let body = |_| {

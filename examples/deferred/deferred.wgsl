@@ -45,7 +45,7 @@ struct Seen {
 
 @group(1) @binding(0) var faces: texture_2d<u32>;
 @group(1) @binding(1) var depth: texture_2d<f32>;
-// A bit for each of eight lamps, and for each of 32 places of the area light: 1 in shadow.
+// A bit for each of eight lamps, and for each of 32 points of the area light: 1 in shadow.
 @group(1) @binding(2) var lamp_masks: texture_2d<u32>;
 @group(1) @binding(3) var area_masks: texture_2d<u32>;
 

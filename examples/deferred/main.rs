@@ -51,7 +51,7 @@ pub(crate) fn bodies() -> [(Shape, Vec<Matrix3x4>, [f32; 3]); 3] {
     ]
 }
 
-/// All corners in world space, those of the floor first: place and colour, four numbers each.
+/// All corners in world space, those of the floor first: position and colour, four numbers each.
 pub(crate) fn corners() -> Vec<[f32; 8]> {
     let floor = [[-1, 1], [1, 1], [1, -1], [-1, 1], [1, -1], [-1, -1]];
     let floor = floor.map(|[x, z]| [40.0 * x as f32, 0.0, 40.0 * z as f32, 0.0, 0.78, 0.77, 0.75, 0.0]);

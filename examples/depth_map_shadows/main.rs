@@ -87,7 +87,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let extruded = scene.encode(&mut encoder, FrameInputs::new(&[eye.into()]))?;
     let seen = DepthMap::new(&depths, seen_by(&lamp_view));
     let rebuilt = volumes.encode(&mut encoder, &seen, &eye)?;
-    // Two draws into one stencil: a place is dark where either counts it.
+    // Two draws into one stencil: a pixel is dark where either counts it.
     stage.draw(&mut encoder, &bodies, |pass, _| {
         extruded.draw(pass, &counting, 0, at_lamp)?;
         rebuilt.draw(pass, &parity).map_err(Box::<dyn std::error::Error>::from)

@@ -32,7 +32,7 @@ impl Polygons {
     }
 }
 
-/// A ring of points around a place, which waves up and down.
+/// A ring of points around a centre, which waves up and down.
 fn ring([x, y, z]: [f32; 3], radius: f32, wave: f32, turns: f32) -> Vec<[f32; 3]> {
     let corner = |at: usize| {
         let angle = (at as f32 + 0.5) / 8.0 * turns * std::f32::consts::TAU;
@@ -47,7 +47,7 @@ fn polygons() -> Polygons {
     scene.push(&[vec![[-2.6, 1.5, 0.8], [-0.9, 0.7, 0.9], [-2.5, 0.9, -0.8], [-0.9, 1.7, -0.7]]]);
     // The hole runs the other way round.
     scene.push(&[ring([1.3, 1.5, -1.2], 1.0, 0.12, 1.0), ring([1.3, 1.5, -1.2], 0.45, 0.05, -1.0)]);
-    // The corners of the upper side change places along one edge: that side and two of its neighbours are twisted.
+    // The corners of the upper side are swapped along one edge: that side and two of its neighbours are twisted.
     let at = |x: f32, y: f32, z: f32| [0.6 + x, 0.1 + y, 1.3 + z];
     let low = [at(0.0, 0.0, 0.0), at(1.0, 0.0, 0.0), at(1.0, 0.0, -1.0), at(0.0, 0.0, -1.0)];
     let high = [at(0.0, 1.0, 0.0), at(1.0, 1.0, 0.0), at(0.15, 1.25, -1.0), at(0.85, 0.8, -1.0)];

@@ -2,7 +2,7 @@
 //! 32, of 16 that are more evenly spread together, so that shadows show no steps. Writes `soft.png`. Run it with
 //! `cargo run --release --example soft`.
 //!
-//! To measure, `cargo run --release --example soft -- exact` shows every pixel the same 32 samples: a place's light is then
+//! To measure, `cargo run --release --example soft -- exact` shows every pixel the same 32 samples: a point's light is then
 //! the share of those that reach it, and shadows have 32 steps.
 
 #[path = "../support/stage.rs"]

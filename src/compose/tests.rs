@@ -166,7 +166,7 @@ fn expected(text: &str) -> BTreeSet<&str> {
     names.filter_map(|name| name.split('(').next()).collect()
 }
 
-/// A file can be read alone: each name that it does not declare comes from a file that it imports itself, or is told in its
+/// A file can be read alone: each name that it does not declare comes from a file that it imports itself, or is named in its
 /// head. It imports nothing that it does not use.
 #[test]
 fn files_import_what_they_use() {

@@ -31,7 +31,7 @@ pub(super) fn too_large(line: u32, what: &'static str, needed: u64, limit: u64) 
     DisplaceError::TooLarge { line, what, needed, limit }
 }
 
-/// Checks what a driver would have to hold: variables, values, and functions inlined in place of their calls.
+/// Checks what a driver would have to hold: variables, values, and functions inlined into their callers.
 pub(super) fn check(module: &Module, info: &ModuleInfo, source: &str) -> Result<(), DisplaceError> {
     let size = |ty: Handle<naga::Type>| u64::from(module.types[ty].inner.try_size(module.to_ctx()).unwrap_or(u32::MAX));
     let (mut private, mut workgroup) = (0, 0);

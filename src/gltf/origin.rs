@@ -106,7 +106,7 @@ impl Asset {
         let boxes = self.boxes.get_or_init(|| model.geometries().iter().map(box_of).collect());
         let (mut low, mut high, mut stored) = (DVec3::INFINITY, DVec3::NEG_INFINITY, 0.0_f64);
         let mut add = |center: DVec3, half: DVec3| {
-            // Places that `f32` cannot hold do not count.
+            // Positions that `f32` cannot hold do not count.
             if let Some([from, to]) = Origin::bounds([(center - half).to_array(), (center + half).to_array()]) {
                 (low, high) = (low.min(from.into()), high.max(to.into()));
             }

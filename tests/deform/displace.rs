@@ -187,7 +187,7 @@ fn arrays_of_constants_are_refused_before_they_are_listed() {
     }
 }
 
-/// Drivers put functions in place of their calls: twice as much with each of the last ones.
+/// Drivers inline functions: twice as much with each of the last ones.
 #[test]
 fn variables_of_megabytes_are_refused_before_a_driver_sees_them() {
     let limit = MAX_PRIVATE_BYTES / 4;

@@ -19,12 +19,12 @@ fn position(light: Light) -> DVec3 {
     DVec3::from(light.xyz.map(f64::from))
 }
 
-/// A surface at a place of the picture.
+/// A surface at a pixel of the picture.
 struct Seen {
     albedo: DVec3,
     normal: DVec3,
     position: DVec3,
-    /// Whether something is between the place and a lamp.
+    /// Whether something is between the surface and a lamp.
     dark: [bool; 8],
     /// How many samples of the area light are in shadow.
     area: usize,

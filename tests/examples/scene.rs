@@ -35,7 +35,7 @@ struct Truth {
 struct Sample {
     pixel: [u32; 2],
     kind: Kind,
-    /// For each lamp: whether it could light the place, and whether something is in between.
+    /// For each lamp: whether it could light the point, and whether something is in between.
     lamps: [[bool; 2]; LAMPS.len()],
     /// 0 to 255.
     color: DVec3,

@@ -83,7 +83,7 @@ fn scenes() -> Outcome {
     same(&maker.load()?.model().geometries().len(), &2, "geometries, whatever the scene")
 }
 
-/// Weights of any sum, those of 0 at the first joint, whatever joint the others name; nodes of skins do not move them; with
+/// Weights of any sum, those of 0 at the first joint, for any joint of the others; nodes of skins do not move them; with
 /// matrices of the skin and without; two primitives of other joints and targets; weights of targets that nobody states.
 fn skins() -> Outcome {
     for weights in

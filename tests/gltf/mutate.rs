@@ -1,4 +1,4 @@
-//! Mutated files: whatever is changed in a good file, loading returns, and what it accepts is sound.
+//! Mutated files: after any change of a good file, loading returns, and what it accepts is sound.
 
 use std::panic::catch_unwind;
 use std::path::Path;

@@ -46,7 +46,7 @@ fn views() -> Result<(), String> {
     must_fail("the other view", &same("views", &found, &expected))
 }
 
-/// Bits are in the order of the lights given, twice if they are given twice; the bits of others are 0, whatever was there.
+/// Bits are in the order of the lights given, twice if they are given twice; the bits of others are 0, not what was there.
 fn order() -> Result<(), String> {
     let gpu = &*Gpu::shared_with_depth_features()?;
     let masks = &mut ShadowMasks::new(&gpu.pipelines).map_err(text)?;

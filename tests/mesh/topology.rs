@@ -71,7 +71,7 @@ use rimline_testkit::random::Random;
 use rimline_testkit::shapes::{self, Shape};
 
 /// Faces thrown over few vertices: most edges have many faces, many faces are duplicates or degenerate. Each vertex
-/// has a place of its own.
+/// has a position of its own.
 fn soup(seed: u64) -> Shape {
     let mut random = Random::new(seed);
     let vertices = 3 + random.below(if seed.is_multiple_of(3) { 40 } else { 8 });

@@ -1,4 +1,4 @@
-//! Shadow depths of polygons: the sets, points and lights of both tests.
+//! Occluder counts of polygons: the sets, points and lights of both tests.
 
 use rimline::mesh::Weld;
 use rimline::{Light, Mesh};

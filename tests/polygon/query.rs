@@ -1,4 +1,4 @@
-//! Shadow depths of polygons on the CPU: each polygon counts once where an odd number of its triangles lie between.
+//! Occluder counts of polygons on the CPU: each polygon counts once where an odd number of its triangles lie between.
 
 use rimline::Mesh;
 use rimline::internals::cpu::{self, Threads};

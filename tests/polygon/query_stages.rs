@@ -1,4 +1,4 @@
-//! Shadow depths of polygons on the GPU: those of the twin, however the faces are cut into runs.
+//! Occluder counts of polygons on the GPU: those of the CPU, however the faces are cut into runs.
 
 use rimline::Light;
 use rimline::gpu::{DeviceError, PositionBuffer, QueryError, QueryPoints, ShadowQuery, ShadowQueryOptions};

@@ -1,4 +1,4 @@
-//! The masks of polygons against their twins.
+//! The masks of polygons against the CPU's.
 
 use rimline::gpu::{ExtractorOptions, ListOptions};
 use rimline::internals::cpu::{self, PolygonMasks, Threads};

@@ -137,7 +137,7 @@ fn larger() -> [ShadowCase; 2] {
     let mut shuffled = ShadowCase { name: "shuffled".to_owned(), shape: case.shape.shuffled(3), ..case.clone() };
     shuffled.points[17][1] = f32::INFINITY;
     shuffled.shape.positions[1000][0] = f32::NAN;
-    // So far away that nothing of it can be told in f32: its clusters' boxes do not count.
+    // So far away that nothing of it can be decided in f32: its clusters' boxes do not count.
     shuffled.shape.positions[2000] = [1e15, 0.0, 1e15];
     [case, shuffled]
 }

@@ -81,7 +81,7 @@ fn may_be_in_cone(gpu: &Gpu, boxes: &[Boxed]) -> Result<Vec<bool>, String> {
     Ok(all)
 }
 
-/// A place in the cone or on its surface, at any distance and scale, and the apex itself.
+/// A point in the cone or on its surface, at any distance and scale, and the apex itself.
 fn touching() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let seeds = 4601..if is_long() { 2_004_601 } else { 104_601 };
@@ -116,7 +116,7 @@ fn touching() -> Result<(), String> {
         [(0.6_f32, [3.0_f32, 4.0, 0.0], 1.0), (-0.6, [-3.0, 4.0, 0.0], -1.0), (0.0, [0.0, 1.0, 2.0], 1.0)]
     {
         let cone = packed(Cone { axis: [1.0, 0.0, 0.0], cosine }, [0.0; 3]);
-        // Away from the cone, with the place at a corner. Then beside it.
+        // Away from the cone, with the point at a corner. Then beside it.
         let ends = [corner[1].min(corner[1] + y), corner[1].max(corner[1] + y)];
         let ends = [[corner[0] - 1.0, ends[0], corner[2]], [corner[0], ends[1], corner[2]]];
         cases.extend([(cone, ends, true), (cone, ends.map(|[x, y, z]| [x - 0.01, y, z]), false)]);

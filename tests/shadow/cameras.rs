@@ -169,7 +169,7 @@ fn wrong_pixels(traced: &Traced, counted: &Counted, counts: bool) -> (Vec<(u32, 
         })
     };
     let (cut, mut others): (Vec<_>, Vec<_>) = wrong.pixels.iter().partition(|pixel| is_cut(pixel));
-    // Told by both comparisons.
+    // Both comparisons notice it.
     others.sort_unstable();
     others.dedup();
     (others, cut.len())

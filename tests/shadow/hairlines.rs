@@ -136,7 +136,7 @@ impl<'a> Hairlines<'a> {
     }
 }
 
-/// A pixel that software Vulkan counts wrongly: its class, frame and place; which of four samples, the only one, at the
+/// A pixel that software Vulkan counts wrongly: its class, frame and position; which of four samples, the only one, at the
 /// centre, if none; by how much; and whether by a hairline, else by a sliver.
 type Found = (&'static str, u64, (u32, u32), Option<usize>, i8, bool);
 

@@ -91,7 +91,7 @@ fn bounds() -> Result<(), String> {
         |low: [f32; 3], high: [f32; 3], hole: u32| [&low.map(|c| !key(c))[..], &high.map(key), &[hole]].concat();
     let [expected, without_last] = [words([-2.0, -3.0, -8.0], [9.0, 6.0, 7.0], 1), words([0.0; 3], [1.0; 3], 1)];
     let of_tiny = words([1e-40, -2e-40, -0.0], [3e-40, 2e-40, 1e-40], 0);
-    let choice_count = stated("BOUND_PLACES");
+    let choice_count = stated("BOUND_CHOICES");
     let (batches, views) = (32, choice_count / 32);
     let caster =
         SceneCaster { faces: faces.len() as u32, position_offset: 7, position_stride: 8, ..Zeroable::zeroed() };

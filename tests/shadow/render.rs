@@ -73,7 +73,7 @@ pub(crate) struct Renderer<'a> {
     pub(crate) placing: Placing,
     /// Number of batches of a scene's casters.
     pub(crate) count_batches: u32,
-    /// Whether a scene is told what its shadows fall on, and whether they fall on the sky.
+    /// Whether a scene gets the depth that its shadows fall on, and whether they fall on the sky.
     pub(crate) receivers: Option<bool>,
     /// Levels of skipping of a scene that are on, if not those by default.
     pub(crate) levels: Option<Levels>,

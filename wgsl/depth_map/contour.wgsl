@@ -131,7 +131,7 @@ fn biased_distance(sample: vec2<i32>) -> i32 {
   return distance + min(slope_term + depth_noise(distance), (RANGE - distance) / 2);
 }
 
-// In place of a crossing, or of `Conic.last_difference`: there is none.
+// Instead of a crossing, or of `Conic.last_difference`: there is none.
 const UNKNOWN: i32 = -1;
 // A conic is fitted only if the last difference of distances is at least MIN_RISE, and at least NOISE_FACTOR times
 // `depth_noise`.

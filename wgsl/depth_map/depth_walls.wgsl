@@ -1,4 +1,4 @@
-// Stage `depth_walls`: draws walls and flaps over contours into the caller's stencil bit, in place of the triangles of
+// Stage `depth_walls`: draws walls and flaps over contours into the caller's stencil bit, instead of the triangles of
 // `depth_surface`. A contour is where a surface ends before another as the light sees it. A wall stands over it along rays
 // of the light. A flap joins the top of a wall, its end nearer to the light, to samples of the nearer surface. Cells, edges,
 // tiles, corners and distances are those of contour.wgsl, the lattice that of samples.wgsl. A distance counts units of

@@ -26,7 +26,7 @@
 // Whether a stage reads any box of the group.
 fn is_any_box_read() -> bool {
   var is_read = shape.needs_boxes;
-  // Turns: BOUND_PLACES.
+  // Turns: BOUND_CHOICES.
   for (var index = 0u; index < shape.views * shape.batches; index++) {
     is_read |= choices[CHOICE_WORDS * (index * shape.casters + shape.first_caster) + CHOICE_DIRTY];
   }

@@ -78,7 +78,7 @@ pub(crate) fn manifests() -> Vec<PathBuf> {
     files.filter(|path| path.extension().is_some_and(|extension| extension == "json")).collect()
 }
 
-/// Whether the kernel offers a GPU: distributions install all of Mesa's manifests, whatever the machine.
+/// Whether the kernel offers a GPU: distributions install all of Mesa's manifests on every machine.
 fn has_gpu() -> bool {
     let is_render_node =
         |node: PathBuf| node.file_name().is_some_and(|name| name.to_string_lossy().starts_with("renderD"));

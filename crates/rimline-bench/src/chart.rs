@@ -1,5 +1,5 @@
 //! Charts as SVG: curves and points in a plane, and rows of bars or dots. The caller supplies the data; this module knows
-//! nothing of silhouettes.
+//! nothing of silhouettes. With plotters, axes would be ours in any case, and its calls take more lines than this module.
 //!
 //! The report's style sheet replaces the colours on a dark ground; PNG files are made of the same SVG.
 
@@ -11,7 +11,7 @@ use resvg::{tiny_skia, usvg};
 
 use crate::row::Mark;
 
-/// Colours of marks, told apart by people who do not see all colours (Okabe and Ito, "Color Universal Design", 2008),
+/// Colours of marks, distinct for people who do not see all colours (Okabe and Ito, "Color Universal Design", 2008),
 /// for a light and for a dark ground; the dark ones are lifted where the original would sink.
 pub(crate) const PALETTE: [[&str; 2]; 8] = [
     ["#D55E00", "#E8793A"],

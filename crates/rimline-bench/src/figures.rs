@@ -150,7 +150,7 @@ const CLASSES: [(&str, &str); 12] = [
     ),
     ("slivers", "Long thin triangles; the number is the longest edge divided by the height above it."),
     ("plate", "Flat plates with lights in the plane of their faces: a third of the lights, or all."),
-    ("lights", "Lights in hard places: inside the body, on a vertex, on an edge, on a face, in the plane of a face."),
+    ("lights", "Lights at hard points: inside the body, on a vertex, on an edge, on a face, in the plane of a face."),
     ("afar", "A sphere far from its lights, which are near the origin; the number is the distance."),
     ("bent", "A limb that is bent until it folds into itself; the number is the angle in degrees."),
     (

@@ -9,8 +9,8 @@ struct Camera { columns: mat4x4<f32>, origin: vec4<f32> }
 @group(0) @binding(0) var<storage, read> camera: Camera;
 @group(0) @binding(1) var<storage, read> corners: array<f32>;
 @vertex fn surface(@builtin(vertex_index) at: u32) -> @builtin(position) vec4<f32> {
-  let place = vec3<f32>(corners[3u * at], corners[3u * at + 1u], corners[3u * at + 2u]);
-  return camera.columns * vec4<f32>(place - camera.origin.xyz, 1.0);
+  let position = vec3<f32>(corners[3u * at], corners[3u * at + 1u], corners[3u * at + 2u]);
+  return camera.columns * vec4<f32>(position - camera.origin.xyz, 1.0);
 }
 @fragment fn nothing() {}
 ";

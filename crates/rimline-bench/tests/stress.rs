@@ -171,7 +171,7 @@ fn degenerate_and_doubled_faces_are_there() {
         .collect();
     sorted.sort_unstable();
     assert!(sorted.windows(2).filter(|pair| pair[0] == pair[1]).count() > 100);
-    // Corners on a line, at different places.
+    // Corners on a line, at different positions.
     let lines = mesh.faces().iter().filter(|[a, b, c]| a != b && b != c && c != a);
     let lines = lines.filter(|face| aspect(face.map(|v| scene.positions[v as usize].map(f64::from))).is_infinite());
     assert!(lines.count() > 40);

@@ -267,7 +267,7 @@ non_manifold_edges, components, inward_components, closed, \
 why_open, offending_edges (kind, vertices, positions), near_boundary (null where no two boundary edges nearly meet; edges, \
 gap, weld_distance, closes, collapses, across_data, by_position), t_junctions, advice (what to do, texts), joints_per_vertex, morph_targets, bounds (min, \
 max); polygons (null where all faces are triangles; triangles, quadrilaterals, larger, most_corners, with_holes, \
-nonplanar, non_finite, seen: for each light facing, averted, in_plane, twisted); and of a glTF file skins (name, joints), \
+nonplanar, non_finite, seen: for each light facing, back_facing, in_plane, twisted); and of a glTF file skins (name, joints), \
 animations (name, duration_seconds, channels), lights \
 (name, kind, xyzw; the last two null for a damaged light), skipped_primitives (points, lines, without_position), \
 hidden_nodes (with all below them), warnings (texts).";

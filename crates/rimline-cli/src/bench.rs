@@ -165,7 +165,7 @@ struct Destination {
 }
 
 impl Destination {
-    /// Makes the folder, and tries both places, so that an unwritable one is known before the long work.
+    /// Makes the folder, and tries both paths, so that an unwritable one is known before the long work.
     fn new(args: &BenchArgs) -> Result<Self, Failure> {
         let folder = |path: &PathBuf| -> Result<_, Failure> {
             check_folder(path, "--report names a folder; give the name of a folder")?;

@@ -239,7 +239,7 @@ mod tests {
                     x.abs().max(y.abs())
                 })
                 .fold(0.0, f32::max);
-            // In the middle of what is wider, so margins are alike.
+            // In the middle of what is wider, so margins are equal.
             let is_centred = sides.iter().any(|[low, high]| (low + high).abs() < 1e-3 && (high - widest).abs() < 1e-3);
             assert!(is_centred, "{options}: {sides:?}");
             assert!((widest - FILLED as f32).abs() < 1e-3, "{options}: {widest}");

@@ -21,11 +21,11 @@ pub(crate) fn is_finite(positions: &[[f32; 3]], face: &[u32; 3]) -> bool {
     corners.all(|corner| corner.is_some_and(|corner| corner.iter().all(|c| c.is_finite())))
 }
 
-/// Faces of which others in the same place run the other way around.
+/// Faces that coincide with others that run the other way around.
 pub(crate) struct Coincident {
     /// For each face that coincides with a turned one, that one.
     turned: Vec<Option<u32>>,
-    /// Faces in whose place, in either direction, another one was before.
+    /// Faces that coincide with an earlier one, in either direction.
     later: Vec<bool>,
 }
 
@@ -69,12 +69,12 @@ impl Coincident {
         Some(Self { turned, later })
     }
 
-    /// Whether a face is the first in its place, or coincides with no turned one.
+    /// Whether a face is the first of those that coincide, or coincides with no turned one.
     pub(crate) fn is_first(&self, number: usize) -> bool {
         !self.later.get(number).is_some_and(|&later| later)
     }
 
-    /// The face that is seen in the place of this one: the turned one if that is towards the eye and this is not.
+    /// The face that is seen instead of this one: the turned one if that is towards the eye and this is not.
     pub(crate) fn seen_instead(&self, number: usize, face: Corners, eye: Vec3) -> Option<usize> {
         let turned = self.turned.get(number).copied().flatten()?;
         let (corners, is_odd) = sorted(face);
@@ -316,7 +316,7 @@ mod tests {
 
     #[test]
     fn of_two_that_coincide_the_one_towards_the_eye_is_seen() {
-        // The second names another vertex at the same place, and begins elsewhere.
+        // The second names another vertex at the same position, and begins elsewhere.
         let faces = [[0, 1, 2], [2, 1, 3], [0, 1, 4], [1, 2, 0]];
         assert_eq!(instead(&faces, [0.2, 0.2, 3.0]), Some(vec![None, Some(0), None, None]));
         assert_eq!(instead(&faces, [0.2, 0.2, -3.0]), Some(vec![Some(1), None, None, Some(1)]));

@@ -80,7 +80,7 @@ fn draw(
         let model_pipelines = scope.spawn(|| ModelPipelines::new(&factory));
         let line_pipelines = scope.spawn(|| {
             if scene.mesh.polygons().is_none() {
-                // A refusal of the device is told where the pipeline is needed.
+                // A refusal of the device is reported where the pipeline is needed.
                 let _ = gpu.pipelines.warm_up(&[Use::Extraction(&options())]);
             }
             LinePipelines::new(&factory)

@@ -170,7 +170,7 @@ fn identity(file: &Path, _: &Metadata) -> Option<Identity> {
     file.canonicalize().ok()
 }
 
-/// Whether both name one file, which need not exist.
+/// Whether both name one file, which need not exist. (The crate `same-file` opens both, and so waits at a pipe.)
 pub(crate) fn is_same_file(a: &Path, b: &Path) -> bool {
     if let (Ok(there), Ok(other)) = (std::fs::metadata(a), std::fs::metadata(b)) {
         return identity(a, &there) == identity(b, &other);

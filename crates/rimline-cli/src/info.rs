@@ -308,7 +308,7 @@ struct PolygonReport {
 /// How a polygon is seen from a light: the key of JSON, and words.
 const SEEN: [(Orientation, &str, &str); 4] = [
     (Orientation::FrontFacing, "facing", "facing"),
-    (Orientation::BackFacing, "averted", "averted"),
+    (Orientation::BackFacing, "back_facing", "back-facing"),
     (Orientation::InPlane, "in_plane", "in a plane with it"),
     (Orientation::Twisted, "twisted", "twisted"),
 ];

@@ -1,4 +1,4 @@
-//! Model files, whatever their format, and the meshes that they make at one time; and their positions on the GPU.
+//! Model files of any format, and the meshes that they make at one time; and their positions on the GPU.
 
 use std::borrow::Cow;
 use std::ops::Deref;

@@ -33,12 +33,10 @@ pub(crate) struct ReadArgs {
     #[command(flatten)]
     weld: WeldArgs,
 
-    /// Take each polygon of an .obj or .ply as one face, after Bergeron (1986): its outline decides whether it faces a
+    /// Take each polygon of an .obj or .ply as one face, after Bergeron (1986): its boundary decides whether it faces a
     /// light or the eye, and its diagonals are no edges. By default polygons are cut into triangles, and what is drawn
-    /// is what is decided. Pictures show triangles in any case. With this option these pixels may not fit a polygon
-    /// that is not planar: its own, those of what is within its hull, and those from which an even number of its
-    /// triangles hide the light: they are lit. Where more than 255 of their faces lie over each other, shadows may be
-    /// wrong, and a warning says so. An .npz with `polygon_loops` is always taken so
+    /// is what is decided. Pictures show triangles in any case, so they may not fit a polygon that is not planar;
+    /// docs/formats.md says which pixels. An .npz with `polygon_loops` is always taken so
     #[arg(long)]
     polygons: bool,
 

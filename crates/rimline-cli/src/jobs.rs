@@ -367,7 +367,7 @@ fn results(options: &Options) -> impl Iterator<Item = (&'static str, Cow<'_, str
     })
 }
 
-/// A name with the parts in the place of [`PATTERNS`]. What looks like a pattern in a part stays.
+/// A name with the parts instead of [`PATTERNS`]. What looks like a pattern in a part stays.
 fn filled(name: &str, parts: &[String; 3]) -> String {
     let (mut text, mut rest) = (String::new(), name);
     let next = |rest: &str| (0..3).filter_map(|of| Some((rest.find(PATTERNS[of])?, of))).min();

@@ -127,7 +127,7 @@ fn is_tame(text: &str) -> bool {
     Line(text).to_string() == text
 }
 
-/// The file that stands in the place of a subcommand.
+/// The file that is given instead of a subcommand.
 fn named_alone(error: &clap::Error) -> Option<&str> {
     use clap::error::{ContextKind, ContextValue, ErrorKind};
     match error.get(ContextKind::InvalidSubcommand) {

@@ -99,7 +99,7 @@ enum Destination {
 }
 
 impl Output {
-    /// Starts a file; done before any long work, so that an unwritable place is known at once.
+    /// Starts a file; done before any long work, so that an unwritable path is known at once.
     pub(crate) fn create(target: &Path) -> Result<Self, Failure> {
         Self::start(target).map_err(Failure::output(target))
     }
@@ -132,7 +132,7 @@ impl Output {
         handle.map_err(Failure::output(&self.name))
     }
 
-    /// Lets `write` fill the file and puts it in its place.
+    /// Lets `write` fill the file and finishes it.
     pub(crate) fn finish<E: Into<io::Error>>(
         self,
         write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
@@ -140,7 +140,7 @@ impl Output {
         self.fill(write)?.finish()
     }
 
-    /// Lets `write` fill the file, for results that take their places together.
+    /// Lets `write` fill the file, for results that are finished together.
     pub(crate) fn fill<E: Into<io::Error>>(
         mut self,
         write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
@@ -162,13 +162,13 @@ impl Output {
     }
 }
 
-/// A result's file that is complete and not yet in its place. It is removed if this is dropped.
+/// A result's file that is complete and not yet at its path. It is removed if this is dropped.
 #[must_use]
 #[derive(Debug)]
 pub(crate) struct Filled(Output);
 
 impl Filled {
-    /// Puts results in their places together. Pipes and devices come first, because a rename hardly fails.
+    /// Finishes results together. Pipes and devices come first, because a rename hardly fails.
     pub(crate) fn finish_all(mut files: Vec<Self>) -> Result<(), Failure> {
         files.sort_by_key(|Self(output)| matches!(output.destination, Destination::Beside { .. }));
         files.into_iter().try_for_each(Self::finish)
@@ -295,7 +295,7 @@ impl Drop for Folder {
     }
 }
 
-/// One line, whatever the text holds.
+/// One line, for any text.
 pub(crate) struct Line<T>(pub(crate) T);
 
 /// Text whose line breaks are meant.

@@ -131,8 +131,8 @@ fn leave_out_occluded(
     times: &mut Times,
     progress: &Progress,
 ) -> Result<Occlusion, Failure> {
-    progress.step("looking for covered faces");
-    let found = times.measure("covered", || Occlusion::find(&set.bodies, &set.ranged()))?;
+    progress.step("looking for occluded faces");
+    let found = times.measure("occluded_faces", || Occlusion::find(&set.bodies, &set.ranged()))?;
     casters.leave_out(&set.bodies, &found)?;
     Ok(found)
 }

@@ -137,7 +137,7 @@ impl ShadedLightSpec {
         let at_a_point =
             [("range", self.range.is_some()), ("cone", self.cone.is_some()), ("target", self.target.is_some())];
         if let Some((option, _)) = at_a_point.into_iter().find(|(_, is_given)| light.w == 0.0 && *is_given) {
-            let why = "is measured from a light's place, but it is at infinity";
+            let why = "is measured from a light's position, but it is at infinity";
             return Err((false, format!("{option}= {why}; leave {option}= out, or write point:x,y,z")));
         }
         if self.target.is_some() && self.cone.is_none() && of_file.is_none_or(|light| light.cone.is_none()) {
@@ -195,7 +195,7 @@ pub(crate) fn area(text: &str) -> Result<AreaSpec, String> {
 
 /// The largest intensity, color and exponent: sums and products of all lights stay far below the largest float.
 const MOST_LAMP: f32 = 1e9;
-/// The largest size of a light's shape, so that places on it stay finite.
+/// The largest size of a light's shape, so that points on it stay finite.
 const MOST_AREA_SIZE: f32 = 1e30;
 /// The largest width and height of a picture. Devices have limits of their own, which are lower.
 const MOST_PIXELS: u32 = 1 << 16;

@@ -117,7 +117,7 @@ fn extent(geometry: &Geometry, origin: Origin) -> Option<SceneExtent> {
     if origin.is_zero()
         && let Some(some) = of_faces(1 + faces.len() / 1000)
     {
-        // Where not even the farthest vertex, whatever it is of, moves by much of their size.
+        // Where not even the farthest vertex of any of them moves by much of their size.
         let guess = SceneExtent { bounds: some, rounding: rounded(all) };
         if size(&guess) > 0.0 && !is_coarse(&guess) {
             return Some(guess);

@@ -13,7 +13,7 @@ pub(crate) struct Triangle {
 }
 
 impl Triangle {
-    /// In place of a polygon, for a triangle that is part of none.
+    /// Instead of a polygon, for a triangle that is part of none.
     pub(crate) const ALONE: u32 = u32::MAX >> 1;
 
     pub(crate) fn new(corners: [u32; 3], polygon: u32, is_front: bool) -> Self {

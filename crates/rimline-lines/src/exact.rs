@@ -93,7 +93,7 @@ impl Plane {
         self.along(difference(p, self.at))
     }
 
-    /// The determinant with a direction in the place of `p − a`.
+    /// The determinant with a direction instead of `p − a`.
     pub(crate) fn along(&self, direction: [f64; 3]) -> Height {
         Height { value: dot(self.normal, direction), error: self.unit_error * sum_of_sizes(direction) }
     }

@@ -112,7 +112,7 @@ impl ShadedLight {
         })
     }
 
-    /// How much of its light the ground gets at a place, nothing in between.
+    /// How much of its light the ground gets at a point, nothing in between.
     pub(crate) fn on_ground(&self, point: Vec3) -> f32 {
         let w = f64::from(self.light.w);
         let towards = vector(self.light.xyz) - w * point.as_dvec3();

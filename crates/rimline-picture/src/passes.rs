@@ -49,9 +49,9 @@ pub enum Mode {
     /// Each light adds its light where it is not in shadow.
     #[default]
     Additive,
-    /// Full light; places in the shadow of any light have ambient light only.
+    /// Full light; points in the shadow of any light have ambient light only.
     Ambient,
-    /// Full light; places in the shadow of any light are black.
+    /// Full light; points in the shadow of any light are black.
     Black,
     /// Full light; each shadow halves it.
     Composited,
@@ -222,7 +222,7 @@ pub enum Onto {
     Lit,
     /// The nearest again, where the stencil is not 0; which it is afterwards.
     Shadowed,
-    /// The nearest again, whatever the stencil.
+    /// The nearest again, for any stencil.
     Again,
 }
 

@@ -3,7 +3,7 @@
 
 struct Clay {
   front: vec3<f32>,
-  // Whether corners have colours, which take the place of the clay's on both sides.
+  // Whether corners have colours, which replace the clay's on both sides.
   is_colored: u32,
   back: vec3<f32>,
 }

@@ -15,7 +15,7 @@ pub struct Body {
     pub casts: bool,
     /// Whether it is in the depth buffer. A proxy is not.
     pub is_drawn: bool,
-    /// Whether a scene is told that it is. Others are never told.
+    /// The field of the same name of the scene's caster. Others have none.
     pub in_depth: bool,
     /// The GPU gets a mesh in its own space, which is placed by a scale of 1 or -1 along each axis, of a negative
     /// determinant. So nothing is rounded.

@@ -1,4 +1,4 @@
-//! The viewer alone: `rimline-view [FILE]...`. The command `rimline view` has options besides. Compiled for wasm32 it
+//! The viewer alone: `rimline-view [FILE]...`. The command `rimline view` has options, too. Compiled for wasm32 it
 //! is the page.
 
 #[cfg(not(target_arch = "wasm32"))]

@@ -25,7 +25,7 @@ pub(crate) struct Pointers {
     buttons: u16,
 }
 
-/// Numbers of buttons in events, their bits where all that are held are told, and their names.
+/// Numbers of buttons in events, their bits where all that are held are listed, and their names.
 const BUTTONS: [(i16, u16, PointerButton); 5] = [
     (0, 1, PointerButton::Primary),
     (1, 4, PointerButton::Middle),

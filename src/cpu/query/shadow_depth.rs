@@ -1,4 +1,4 @@
-//! Shadow depth: the number of faces strictly between each point and each light.
+//! Occluder counts: the number of faces strictly between each point and each light.
 
 use super::exact_shadow_depth::exactly_between;
 use super::shadow_boxes::{CLUSTER, shadow_boxes};

@@ -41,9 +41,9 @@ pub struct DepthMapCube {
     volumes: DepthMapVolumes,
     shape: DepthMapShape,
     view: wgpu::TextureView,
-    /// Bound in place of a map that is missing.
+    /// Bound instead of a map that is missing.
     nothing: wgpu::TextureView,
-    /// Bound in place of the objects of all maps, where there are none.
+    /// Bound instead of the objects of all maps, where there are none.
     unwritten_objects: wgpu::TextureView,
     /// The objects of all maps. Made in the first encode with objects.
     objects: Option<wgpu::TextureView>,

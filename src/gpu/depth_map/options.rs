@@ -162,8 +162,8 @@ pub struct DepthMapOptions {
     /// [`DepthMetric::Device`], not converted. The boundary moves by the error of the conversion. Set it for a map converted
     /// from distances, which may have specks of shadow otherwise, with reversed depth above all near the far plane.
     pub metric: DepthMetric,
-    /// Whether near caps are skipped where the whole near rectangle is lit. Default: true. The image does not change. Unset
-    /// it to measure.
+    /// Whether near caps are skipped where the whole near rectangle is lit, which changes no image: for measuring.
+    #[doc(hidden)]
     pub skip_near_caps: bool,
     /// Bytes that all buffers and textures together may have. Default: `None`, no limit. Making more is a [`DepthMapError`].
     pub memory_limit: Option<u64>,

@@ -52,7 +52,7 @@ pub struct DepthMapVolumes {
     pub(super) options: DepthMapOptions,
     pub(super) bits: u32,
     pub(super) eye: (wgpu::TextureFormat, DepthDirection),
-    /// Bound in place of a texture of objects that is missing or not used.
+    /// Bound instead of a texture of objects that is missing or not used.
     pub(super) no_objects: wgpu::TextureView,
     pub(super) buffers: CellBuffers,
     pub(super) encodes: Arc<AtomicU64>,

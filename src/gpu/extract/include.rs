@@ -21,7 +21,7 @@ use crate::stages::source;
 ///
 /// | function | result |
 /// |---|---|
-/// | `rimline_edge_vertex(light: u32, instance: u32, vertex: u32) -> vec4<f32>` | The position of the edge's end at this vertex, with `w` = 1, for your matrix. Seen from the light, the edge's faces lie to the left from the first end to the second. All zeros if the instance is no silhouette: nothing is drawn then, whatever the matrix |
+/// | `rimline_edge_vertex(light: u32, instance: u32, vertex: u32) -> vec4<f32>` | The position of the edge's end at this vertex, with `w` = 1, for your matrix. Seen from the light, the edge's faces lie to the left from the first end to the second. All zeros if the instance is no silhouette: nothing is drawn then, by any matrix |
 /// | `rimline_corner(vertex: u32) -> u32` | The corner of the edge's quad, in the order of a strip: bit 0 is the end, bit 1 the side |
 /// | `rimline_silhouette(light: u32, instance: u32) -> RimlineSilhouette` | The edge itself. Check its `valid` |
 /// | `rimline_silhouettes(light: u32) -> u32` | The number of silhouette edges, including those that a list has no room for |

@@ -7,7 +7,7 @@ use crate::light::{MAX_LIGHTS, batches};
 const WORDS: usize = batches(MAX_LIGHTS);
 
 /// A set of lights: those for which a caster throws shadows, or whose shadows a view draws. A mask holds bits, not
-/// lights: a light that takes the bit of a removed one takes its place in the masks, too.
+/// lights: a light that takes the bit of a removed one replaces it in the masks, too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct LightMask([u32; WORDS]);
 

@@ -14,9 +14,9 @@ const LAST_CELL: u32 = (1 << LEVELS) - 1;
 /// Bits of a face's index. [`crate::mesh::MAX_FACES`] is below 2³⁰.
 const INDEX_BITS: u32 = 30;
 
-/// In place of an axis: faces of [`Kind::Irregular`], which come after those of the six axes.
+/// Instead of an axis: faces of [`Kind::Irregular`], which come after those of the six axes.
 const IRREGULAR: u32 = 6;
-/// In place of an axis: faces of [`Kind::Degenerate`], which come last.
+/// Instead of an axis: faces of [`Kind::Degenerate`], which come last.
 const DEGENERATE: u32 = 7;
 
 /// Planes in the order of the mesh, and the order of faces in space.

@@ -50,7 +50,7 @@ impl Polygons {
         )
     }
 
-    /// A hash of each polygon, the same for those that are alike. Edges are mixed with a random key, so that no input can
+    /// A hash of each polygon, the same for those that are equal. Edges are mixed with a random key, so that no input can
     /// choose other polygons that collide.
     fn hashes(&self) -> Vec<u64> {
         let key = RandomState::new().hash_one(0);
@@ -99,7 +99,7 @@ mod tests {
     use super::*;
     use crate::mesh::PolygonLoops;
 
-    /// The hashes of polygons of one loop each that are not alike.
+    /// The hashes of polygons of one loop each that are not equal.
     fn distinct_hashes(loops: &[Vec<u32>]) -> usize {
         let (polygon_loops, loop_corners) = (vec![1; loops.len()], loops.concat());
         let loop_sizes: Vec<u32> = loops.iter().map(|corners| corners.len() as u32).collect();

@@ -24,13 +24,13 @@ pub struct Scene {
     pub name: &'static str,
     pub class: &'static str,
     pub positions: Vec<[f32; 3]>,
-    /// Triangles, as indices into `positions`. Some scenes have faces without area, or several at one place.
+    /// Triangles, as indices into `positions`. Some scenes have faces without area, or several at one position.
     pub faces: Vec<[u32; 3]>,
     placing: Placing,
 }
 
 impl Scene {
-    /// The scene's faces and edge records, vertices at the same place welded; to be used with `positions` as they are.
+    /// The scene's faces and edge records, vertices at the same position welded; to be used with `positions` as they are.
     pub fn mesh(&self) -> Result<Mesh, MeshError> {
         Mesh::new(&self.positions, &self.faces, Weld::Position)
     }

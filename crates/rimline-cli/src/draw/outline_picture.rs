@@ -60,7 +60,7 @@ impl ModelPipelines {
         let map = factory.layout(&[read_texture(TextureViewDimension::D2, true), sampler, UNIFORM]);
         let (model, screen) = (include_str!("model.wgsl"), include_str!("screen.wgsl"));
         let (of_model, of_map) = ([&geometry], [&map]);
-        // Paper and ground are behind the model, whatever is there.
+        // Paper and ground are always behind the model.
         let behind = wgpu::DepthStencilState {
             depth_write_enabled: Some(false),
             depth_compare: Some(wgpu::CompareFunction::Always),
@@ -74,7 +74,7 @@ impl ModelPipelines {
         };
         Self {
             survey: factory.pipeline(&Pass { depth: Some(nearest()), ..Pass::new("survey", model, &of_model, SURVEY) }),
-            // Whatever is nearest to the ground counts, in any order.
+            // The nearest to the ground counts, in any order.
             below: factory.pipeline(&Pass { blend: Some(LARGEST), ..Pass::new("below", model, &of_model, CONTACT) }),
             blur: factory.pipeline(&Pass::over("blur", screen, &of_map, CONTACT)),
             backdrop: picture(Pass::over("backdrop", model, &[], FORMAT), behind.clone()),

@@ -50,7 +50,7 @@ fn identity(options: &str, files: &[&Path]) -> String {
 }
 
 impl<'a> Frames<'a> {
-    /// Claims the folder before long work: a place that cannot be had is known at once.
+    /// Claims the folder before long work: a folder that cannot be had is known at once.
     pub(super) fn begin(args: &'a FilmArgs) -> Result<Self, Failure> {
         check_folder(
             &args.out,
@@ -85,7 +85,7 @@ impl Film for Frames<'_> {
             let file = self.file(frame);
             inputs.spare(&file)?;
             if file.is_dir() {
-                let why = "it is a folder; remove it, or choose another place for the film";
+                let why = "it is a folder; remove it, or choose another folder for the film";
                 return Err(Failure::output(&file)(io::Error::other(why)));
             }
         }

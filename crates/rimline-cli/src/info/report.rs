@@ -64,7 +64,7 @@ impl MeshReport {
         }
     }
 
-    /// Each mesh once, whatever the number of its instances; without bounds, since each lies in a space of its own.
+    /// Each mesh once, for any number of its instances; without bounds, since each lies in a space of its own.
     pub(super) fn total(meshes: &[Self]) -> Self {
         let mut total = Self::default();
         macro_rules! add {

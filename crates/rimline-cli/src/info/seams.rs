@@ -146,7 +146,7 @@ pub(super) fn t_junctions(mesh: &Mesh, positions: &[[f32; 3]]) -> usize {
     edges.into_iter().map(|[a, b]| tree.take(a, b, tolerance)).sum()
 }
 
-/// Points that lie on no edge yet, halved by place: edges that lie over each other ask none of them twice.
+/// Points that lie on no edge yet, halved by position: edges that lie over each other ask none of them twice.
 struct Points {
     low: DVec3,
     high: DVec3,

@@ -1,5 +1,5 @@
 //! Every numeric option of every subcommand refuses numbers that it is not meant for. The options are those of clap's own
-//! definitions, so that a new one has to be told here.
+//! definitions, so that a new one has to be listed here.
 
 use std::any::TypeId;
 use std::ffi::OsString;

@@ -45,9 +45,9 @@ const MODES: [Named<Mode>; 4] = [
         "additive",
         "Ambient light, plus each light where it is not in shadow. Right for any number of lights",
     ),
-    (Mode::Ambient, "ambient", "Full light; places in the shadow of any light have ambient light only"),
-    (Mode::Black, "black", "Full light; places in the shadow of any light are black"),
-    (Mode::Composited, "composited", "Full light; each shadow on a place halves its light, highlights included"),
+    (Mode::Ambient, "ambient", "Full light; points in the shadow of any light have ambient light only"),
+    (Mode::Black, "black", "Full light; points in the shadow of any light are black"),
+    (Mode::Composited, "composited", "Full light; each shadow on a point halves its light, highlights included"),
 ];
 
 /// Reads one of these values by its name.
@@ -130,7 +130,7 @@ pub(crate) struct ShadowSceneArgs {
     #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = clap::value_parser!(u32).range(1..=MOST_SAMPLES))]
     samples: Option<u32>,
 
-    /// Give every pixel the same samples of areas, for measurements: the light at a place is then the share of samples that reach
+    /// Give every pixel the same samples of areas, for measurements: the light at a point is then the share of samples that reach
     /// it, and soft shadows show one step for each sample. Without it, neighbouring pixels use different samples, out of
     /// 16 times as many
     #[arg(long)]
@@ -232,9 +232,9 @@ pub(crate) struct ShadowArgs {
     #[arg(long, conflicts_with = "area")]
     pub(crate) hide_covered: bool,
 
-    /// Let each light see the models in a depth map of SIDE × SIDE texels, 3 to 4096, and rebuild the shadows from it,
-    /// without silhouettes. Without a number, SIDE is 1024. A light among the models has six maps. Borders of shadows
-    /// are off by up to a texel. For comparison, and to try out depth maps
+    /// Let each light see the models in a depth map of SIDE × SIDE texels, 3 to 4096, 1024 without a number, and rebuild
+    /// the shadows from it, without silhouettes. A light among the models has six maps. Borders of shadows are off by up
+    /// to a texel. For comparison, and to try out depth maps
     #[arg(
         long,
         value_name = "SIDE",
@@ -265,11 +265,9 @@ pub(crate) struct ShadowArgs {
     /// With --from-depth or --depth: how shadows are found in a map. `automatic`, the default with --from-depth, takes
     /// edges where depths jump by more than slopes beside them tell; `every` takes all, and is the default with
     /// --depth; `differences` those where device depths differ by more than T, 0 to 1; `second` by more than HIGH, or
-    /// by more than LOW and than beside them. `contours` draws walls over contours that are traced along jumps of more
-    /// than T and fitted to 0.1 texels and 4 T of depth: fewer triangles and smoother borders, but specks at rims of
-    /// facets close to the eye. All but `every` and `automatic` take one map a light with --from-depth. Edges between
-    /// `objects` of a file of --depth are taken, too. Unless every edge is taken, the models must then contain all that
-    /// a map casts, at the same position. A threshold that is too large turns shadows round in streaks
+    /// by more than LOW and than beside them; `contours` draws walls over smooth contours of jumps of more than T. With
+    /// all but `automatic` and `every` --from-depth takes one map a light, and with all but `every` the models must
+    /// contain all that a map casts, at the same position. A threshold that is too large turns shadows round in streaks
     #[arg(
         long,
         value_name = "automatic|every|differences=T|second=LOW,HIGH|contours=T",
@@ -351,18 +349,18 @@ World space is right-handed with +Y up. The ground is visible from above only: a
 
 Keys of --json: adapter, method, mode, origin (only where it is not zero), files, faces, samples (of a light with an area, else 1), count_bound (an upper bound of the stencil \
 counts of all files together), may_wrap (the number of lights or samples whose counts may exceed 255, the most that \
-the stencil holds, and are not made in batches: places in their shadow may look lit), lights (a list of light, range, color and casters, a list of \
+the stencil holds, and are not made in batches: points in their shadow may look lit), lights (a list of light, range, color and casters, a list of \
 file, casting, counting, silhouette_edges, each with one value a sample of a light with an area; casting and counting are the \
-most that any instance in the file needs; with --hide-covered also covered: tried, hidden, undecided, without_room and left_out \
+most that any instance in the file needs; with --hide-covered also occluded: tried, occluded, undecided, without_room and left_out \
 count faces of all files, sides and sides_left are the sides of shadow volumes before and after; with --from-depth or --depth \
 also \
 depth_map: size, side (null unless square), maps, reconstruction (triangles or contours), cells (those that the boundary of the shadow has \
 triangles in, null with contours), walls (with their flaps; null but with contours) and overflowed (whether these are more than their list has \
 room for: every cell is drawn then); casting is then depth map, and counting and method are parity), statistics (a list, one \
 for each file, of file, skipped, every_face, \
-capped, count_bound, may_wrap, overflowed_caps, undecided_pairs, overflowed_lists; count_bound, may_wrap and \
+near_capped, count_bound, may_wrap, overflowed_caps, undecided_pairs, overflowed_lists; count_bound, may_wrap and \
 overflowed_caps are null where there are several files), totals (of all files: skipped and every_face count pairs of \
-instance and light, capped lights, once for each group of instances that are drawn together, then overflowed_caps, overflowed_sides, undecided_pairs, overflowed_lists, covered_faces: those \
+instance and light, near_capped lights, once for each group of instances that are drawn together, then overflowed_caps, overflowed_sides, undecided_pairs, overflowed_lists, occluded_faces: those \
 left out), milliseconds \
 (by stage, null where only their sum is known), set_up_milliseconds (opening the device, pipelines, compiling shaders), work_milliseconds (all other \
 stages).";

@@ -42,7 +42,7 @@ pub(super) fn set_lights(
     Ok(())
 }
 
-/// Puts `made` in the place of what has this number, or behind the last.
+/// Replaces the element of this index by `made`, or adds it behind the last.
 pub(super) fn put<T>(list: &mut Vec<T>, number: usize, made: T) {
     match list.get_mut(number) {
         Some(old) => *old = made,

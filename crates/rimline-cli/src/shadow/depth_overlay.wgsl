@@ -9,7 +9,7 @@ struct DepthView {
   up: vec4<f32>,
   depth: vec4<f32>,
   middle: vec4<f32>,
-  // The same for places at infinity, of x and y.
+  // The same for points at infinity, of x and y.
   far_across: vec4<f32>,
   far_up: vec4<f32>,
   far_middle: vec4<f32>,

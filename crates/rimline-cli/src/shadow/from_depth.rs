@@ -51,7 +51,7 @@ impl FromDepth {
     }
 
     /// Refuses detectors with thresholds for six maps around a light: their near plane is so near that all device depths
-    /// are nearly alike.
+    /// are nearly equal.
     pub(crate) fn check(&self, lights: &[Light], bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
         use DepthMapMethod::{Contours, Differences, SecondDifferences};
         if self.given.is_some()

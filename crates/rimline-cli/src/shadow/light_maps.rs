@@ -75,7 +75,7 @@ impl LightCameras {
         self.0.len() > 1
     }
 
-    /// The light: the place that the maps are seen from, or the direction towards it. The cameras have passed their check.
+    /// The light: the point that the maps are seen from, or the direction towards it. The cameras have passed their check.
     pub(super) fn light(&self) -> Light {
         let Some(camera) = self.0.first() else { return Light::directional([0.0; 3]) };
         let matrix = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4();
@@ -86,7 +86,7 @@ impl LightCameras {
             let is_away = (way.dot(z.truncate()) * w.w > 0.0) == (camera.depth == DepthDirection::Standard);
             return Light::directional((if is_away { -way } else { way }).as_vec3().into());
         }
-        // The place where x, y and w are 0.
+        // The point where x, y and w are 0.
         let rows = DMat3::from_cols(x.truncate(), y.truncate(), w.truncate()).transpose();
         let position = rows.inverse() * -DVec3::new(x.w, y.w, w.w);
         Light::point((position + Vec3::from(camera.origin).as_dvec3()).as_vec3().into())

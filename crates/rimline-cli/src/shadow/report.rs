@@ -104,7 +104,7 @@ impl<'a> Report<'a> {
             "casters": self.files().map(caster).collect::<Vec<_>>(),
         });
         if let Some(occluded) = self.occlusion.and_then(|occlusion| occlusion.found.get(number)) {
-            value["covered"] = occlusion_json(occluded.statistics());
+            value["occluded"] = occlusion_json(occluded.statistics());
         }
         if let Some(found) = &self.depth {
             value["depth_map"] = depth_map_json(found, light, samples);
@@ -120,7 +120,7 @@ impl<'a> Report<'a> {
             "file": name,
             "skipped": shadow.skipped,
             "every_face": shadow.every_face,
-            "capped": shadow.near_capped,
+            "near_capped": shadow.near_capped,
             "count_bound": if_whole(shadow.count_bound),
             "may_wrap": if_whole(shadow.may_wrap),
             "overflowed_caps": if_whole(shadow.overflowed_caps),
@@ -135,14 +135,14 @@ impl<'a> Report<'a> {
         let mut totals = json!({
             "skipped": self.all.skipped,
             "every_face": self.all.every_face,
-            "capped": self.all.near_capped,
+            "near_capped": self.all.near_capped,
             "overflowed_caps": self.all.overflowed_caps,
             "overflowed_sides": self.all.overflowed_sides,
             "undecided_pairs": extraction.map(|all| all.undecided_pairs),
             "overflowed_lists": extraction.map(|all| all.overflowed_lists),
         });
         if self.occlusion.is_some() {
-            totals["covered_faces"] = self.left_out.into();
+            totals["occluded_faces"] = self.left_out.into();
         }
         totals
     }
@@ -180,10 +180,9 @@ impl<'a> Report<'a> {
         for found in self.occlusion.iter().flat_map(|occlusion| &occlusion.found) {
             let OcclusionStatistics { tried, occluded, left_out, sides, sides_left, .. } = found.statistics();
             let value = format!(
-                "{occluded} of {tried} faces are hidden from the light, {left_out} left out; sides {sides} \
-                 before, {sides_left} after"
+                "{occluded} of {tried} faces are occluded, {left_out} left out; sides {sides} before, {sides_left} after"
             );
-            lines.line("covered", value);
+            lines.line("occluded", value);
         }
         lines.times(times);
         let pictures = pictures.iter().map(|file| wrote(file, size));
@@ -205,7 +204,7 @@ fn per_sample<T: Into<Value>>(light: &ShadedLight, values: impl Iterator<Item = 
 fn occlusion_json(statistics: OcclusionStatistics) -> Value {
     let OcclusionStatistics { tried, occluded, left_out, undecided, without_room, sides, sides_left, .. } = statistics;
     json!({
-        "tried": tried, "hidden": occluded, "undecided": undecided, "without_room": without_room,
+        "tried": tried, "occluded": occluded, "undecided": undecided, "without_room": without_room,
         "left_out": left_out, "sides": sides, "sides_left": sides_left,
     })
 }
@@ -232,7 +231,7 @@ pub(super) struct ResultFiles {
     /// Not open: a process may have a thousand files open, and there may be as many lights.
     pub(super) masks: Vec<PathBuf>,
     pub(super) maps: Vec<PathBuf>,
-    /// The files that are complete. They take their places together.
+    /// The files that are complete. They are finished together.
     pub(super) filled: Vec<Filled>,
     /// Names of picture and masks, and names of maps.
     pub(super) names: [Vec<PathBuf>; 2],
@@ -244,7 +243,7 @@ impl ResultFiles {
         args.out.as_deref().map_or(Ok(()), |out| check_ending(out, "png"))
     }
 
-    /// Begins those whose names are known from the command line, so that an unwritable place is known at once.
+    /// Begins those whose names are known from the command line, so that an unwritable path is known at once.
     pub(super) fn begin(args: &ShadowArgs, inputs: &Inputs) -> Result<Self, Failure> {
         args.out.as_deref().map_or(Ok(()), |out| inputs.spare(out))?;
         // There is a first light in any case; how many there are is known later.

@@ -93,7 +93,7 @@ impl<'a> SceneShadows<'a> {
 }
 
 impl Shadows for SceneShadows<'_> {
-    /// An instance that is mirrored anew has other faces, so another caster takes its place.
+    /// An instance that is mirrored anew has other faces, so another caster replaces it.
     fn set_bodies(&mut self, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
         self.layers = None;
         let Self { gpu, scene, files, max_lights, .. } = self;

@@ -110,7 +110,7 @@ impl Choice {
             };
             let casting = match (casts, every) {
                 (false, _) => Self::NOTHING,
-                (true, false) => "averted",
+                (true, false) => "back-facing",
                 (true, true) => Self::EVERY,
             };
             Self { casting, counting }
@@ -139,7 +139,7 @@ impl ShadowMethod {
             return Compiling(None);
         }
         let (pipelines, options) = (gpu.pipelines.clone(), scene_options(self.counting));
-        // A refusal of the device is told where the pipeline is needed, and so is a thread that cannot be started.
+        // A refusal of the device is reported where the pipeline is needed, and so is a thread that cannot be started.
         let make = move || _ = pipelines.warm_up(&[Use::SceneShadows(&options)]);
         Compiling(Builder::new().name("compiling".into()).spawn(make).ok())
     }

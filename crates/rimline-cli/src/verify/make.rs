@@ -127,7 +127,7 @@ struct Maker<'a> {
     device: Device,
     progress: &'a Progress,
     made: Vec<Filled>,
-    /// The message once they are in their places.
+    /// The message once they are at their paths.
     said: String,
 }
 

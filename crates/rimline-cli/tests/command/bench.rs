@@ -217,7 +217,7 @@ fn report() -> Outcome {
     let plate = html.split_once("<th scope=\"row\">plate</th><td>").map_or("", |(_, text)| text);
     ensure!(plate.split("</td>").next().is_some_and(|text| text.contains("Flat plates")), "a class is not explained");
     ensure!(!html.contains("was stopped"), "a complete run says that it was stopped");
-    // A report may be made again in the same place, and plots that it does not show are gone.
+    // A report may be made again in the same folder, and plots that it does not show are gone.
     let other = "--device cpu --meshes none --scenes moebius-strip --scene-faces 200 --lights 40 --rounds 1";
     let (_, again) = measure(&folder, &format!("{other} --report @a/report"))?;
     ensure!(again["adapter"].is_null() && again["rows"][0]["lights"] == 40, "{}", again["rows"][0]["lights"]);

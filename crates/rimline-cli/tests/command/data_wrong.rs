@@ -9,7 +9,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("data::a_wrong_expectation_fails::masks", masks),
 ];
 
-/// A part of a case, and what is wrong in its place.
+/// A part of a case, and the wrong text that replaces it.
 type Wrong = (&'static str, &'static str);
 
 const ARCHIVES: &str = "a case

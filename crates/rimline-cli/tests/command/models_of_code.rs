@@ -15,7 +15,7 @@ pub(crate) enum Made {
     File(Vec<u8>),
 }
 
-/// A model by its name, whole numbers, words and place.
+/// A model by its name, whole numbers, words and position.
 pub(crate) fn of(name: &str, whole: &[u32], words: &str, at: [f64; 3]) -> Result<Made, String> {
     let file = |text: String| Ok(Made::File(text.into_bytes()));
     let has = |word: &str| words.split(' ').any(|other| other == word);
@@ -132,7 +132,7 @@ fn circle(corners: usize) -> String {
     obj(vertices, [(1..=corners).collect()])
 }
 
-/// A cone, a vase and a ring. Points on the axis are one each, whatever the angle.
+/// A cone, a vase and a ring. Points on the axis are one each, at any angle.
 const PROFILES: [&[[f64; 2]]; 3] = [
     &[[0.0, -1.0], [1.0, -1.0], [0.0, 1.0]],
     &[[0.0, -1.0], [0.7, -1.0], [1.0, 0.0], [0.5, 0.8], [0.6, 1.0], [0.0, 1.0]],
@@ -172,7 +172,7 @@ pub(crate) fn corner(bounds: &[[f64; 3]; 2], corner: usize) -> [f64; 3] {
     [0, 1, 2].map(|axis| bounds[corner >> axis & 1][axis])
 }
 
-/// The house at a place, after a vertex at zero that no face has.
+/// The house at a position, after a vertex at zero that no face has.
 fn house(at: [f64; 3]) -> String {
     let corners = BOXES.iter().flat_map(|bounds| (0..8).map(move |number| corner(bounds, number)));
     let placed = corners.map(|p| rounded([0, 1, 2].map(|axis| p[axis] + at[axis]), 1e3));
@@ -202,7 +202,7 @@ fn with_light(corners: &[[f32; 3]], nodes: &Value) -> Value {
     })
 }
 
-/// The house's walls and eaves, in a node at a place, with a lamp.
+/// The house's walls and eaves, in a node at a position, with a lamp.
 pub(crate) fn house_gltf(at: [f64; 3]) -> Value {
     let sides = SIDES.iter().flat_map(|&[a, b, c, d]| [a, b, c, a, c, d]);
     let corners =

@@ -189,7 +189,7 @@ fn check(device: &str) -> Outcome {
     Ok(())
 }
 
-/// Places where the body meets the background without a line between: the body is blue, the background is not.
+/// Pixels where the body meets the background without a line between: the body is blue, the background is not.
 fn gaps(picture: &Image) -> Vec<[usize; 2]> {
     let [width, height] = picture.size;
     let (is_body, is_background) =

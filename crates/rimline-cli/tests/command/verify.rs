@@ -65,7 +65,7 @@ fn opengl() -> Outcome {
     found.expect(0, &[])?;
     ensure!(found.stdout.contains("OpenGL"), "{}", found.stdout);
     folder.run("draw @m.npz --device opengl --out @p.png").expect(0, &[])?;
-    // Mesa can be told to offer less, and then it is said what is missing.
+    // A variable makes Mesa offer less, and then it is said what is missing.
     let less = [("MESA_GL_VERSION_OVERRIDE", "4.2"), ("MESA_EXTENSION_OVERRIDE", "-GL_ARB_compute_shader")];
     let with_less = |words: &[&str]| super::run::rimline_with(words, &less);
     if !with_less(&["devices"]).stdout.contains("it lacks compute shaders") {

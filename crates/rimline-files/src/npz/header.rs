@@ -160,7 +160,7 @@ impl Header {
     }
 }
 
-/// A place in the header's text; white space between tokens is passed over.
+/// A position in the header's text; white space between tokens is passed over.
 struct Cursor<'a> {
     text: &'a [u8],
     next: usize,

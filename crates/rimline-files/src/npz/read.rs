@@ -389,8 +389,8 @@ impl<R: Read + Seek> Archive<R> {
     }
 }
 
-/// Reads the tuples behind a header, in C order. Memory of tables grows with the data that is really there, whatever the
-/// header says. The first values of another array in Fortran order may take all that was charged for it.
+/// Reads the tuples behind a header, in C order. Memory of tables grows with the data that is really there, not with the
+/// header's counts. The first values of another array in Fortran order may take all that was charged for it.
 fn filled<T: Copy + Default, const C: usize>(
     array: &'static str,
     Head { header, element, extent }: &Head,

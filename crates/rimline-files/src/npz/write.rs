@@ -64,7 +64,7 @@ pub fn write_origin(npz: &mut NpzWriter<impl Write + Seek>, origin: Origin) -> i
 }
 
 /// A writer that is left alone once it has failed: `ZipWriter` goes on writing when it is dropped, and prints what comes of
-/// it. From then on it is at its farthest place, and takes everything.
+/// it. From then on it is at its farthest position, and takes everything.
 struct Abandoned<W> {
     inner: W,
     is_failed: bool,

@@ -138,7 +138,7 @@ pub(super) fn scenes() -> Maker {
     maker
 }
 
-/// At a place of a survey, in millimetres.
+/// At a position of a survey, in millimetres.
 pub(super) fn far() -> Maker {
     let mut maker = alone(&shapes::cube(), U16);
     let near = maker.push("nodes", json!({ "mesh": 0, "translation": [4.017, 0.5, -0.002] }));

@@ -2,13 +2,13 @@
 
 use glam::Vec3;
 
-/// A joint at rest: no rotation of its own, only a place.
+/// A joint at rest: no rotation of its own, only a position.
 pub struct Joint {
     /// The node's name.
     pub name: &'static str,
     /// Index of the joint it hangs on, lower than its own.
     pub parent: Option<usize>,
-    /// Its place in the figure's space.
+    /// Its position in the figure's space.
     pub at: Vec3,
 }
 

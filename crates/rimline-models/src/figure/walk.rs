@@ -63,7 +63,7 @@ pub fn from_rest(pose: &Pose) -> [Affine3A; JOINTS.len()] {
     std::array::from_fn(|index| globals[index] * Affine3A::from_translation(-JOINTS[index].at))
 }
 
-/// A joint's place from its parent's at rest.
+/// A joint's position from its parent's at rest.
 pub fn offset(joint: usize) -> Vec3 {
     let Some(parent) = JOINTS[joint].parent else {
         return JOINTS[joint].at;

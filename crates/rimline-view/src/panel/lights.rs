@@ -103,7 +103,7 @@ fn direction(ui: &mut egui::Ui, name: &str, towards: &mut Vec3) {
     }
 }
 
-/// Three numbers, which are finite whatever is typed. Small steps have more digits.
+/// Three numbers, which stay finite after any input. Small steps have more digits.
 fn numbers(ui: &mut egui::Ui, name: &str, Vec3 { x, y, z }: &mut Vec3, speed: f32) {
     let decimals = (-speed.log10()).round().clamp(2.0, 15.0) as usize;
     ui.horizontal(|ui| {

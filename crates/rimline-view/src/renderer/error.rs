@@ -17,7 +17,7 @@ pub enum RenderError {
     /// A model cannot be shown. The others can.
     #[error("{name}: {why}")]
     Body {
-        /// Its place among the models.
+        /// Its index among the models.
         index: usize,
         /// Its name.
         name: String,

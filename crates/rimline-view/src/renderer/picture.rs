@@ -12,7 +12,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// The pixel at a place, from the upper left corner.
+    /// The pixel at a position, from the upper left corner.
     pub fn at(&self, [x, y]: [u32; 2]) -> [u8; 4] {
         self.pixels.get((y * self.size[0] + x) as usize).copied().unwrap_or_default()
     }

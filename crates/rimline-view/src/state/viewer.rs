@@ -323,7 +323,7 @@ impl Viewer {
         }
     }
 
-    /// Adds a model of a file. Models of files take the place of those of the viewer's own.
+    /// Adds a model of a file. Models of files replace the built-in ones.
     fn add(&mut self, body: Body) {
         let failed = self.message.take().filter(|message| message.tone == Tone::Error);
         if self.is_built_in && !self.show_opened() {
@@ -372,7 +372,7 @@ impl Viewer {
     fn copied(&mut self, how: String, details: String) {
         let mut text = how;
         if self.is_built_in {
-            text += "; a built-in scene has no file: put one in the place of FILE";
+            text += "; a built-in scene has no file: replace FILE by one";
         }
         let lacking = self.not_in_command();
         if !lacking.is_empty() {

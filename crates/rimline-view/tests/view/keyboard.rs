@@ -248,7 +248,7 @@ fn tab_to(stage: &mut Stage, role: Role, label: Option<&str>) -> Outcome {
     Err(format!("Tab reaches no {role:?} {label:?}"))
 }
 
-/// Types a number in the place of the one that has the keyboard.
+/// Types a number instead of the one that has the keyboard.
 fn enter(stage: &mut Stage, text: &str) {
     stage.run(vec![Heard::Text(text.to_owned())]);
     stage.run(Vec::new());

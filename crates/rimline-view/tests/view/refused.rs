@@ -14,7 +14,7 @@ pub(crate) const TESTS: [Test; 3] = [
     ("a renderer takes viewers in turn", viewers_in_turn),
 ];
 
-/// A block whose next pose fails once it is told so.
+/// A block whose next pose fails on request.
 struct Failing(rimline::Model, Arc<AtomicBool>);
 
 impl Source for Failing {

@@ -17,7 +17,7 @@ use crate::coincident::{Joined, is_finite};
 
 /// Cells are cut into four so many times.
 const MOST_CUTS: u32 = 24;
-/// Faces and edges that are looked at for a light, besides some turns over all of them.
+/// Faces and edges that are looked at for a light, beside some turns over all of them.
 const MOST_WORK: usize = 1 << 26;
 
 /// At most so many faces meet any ray from the light. If that is not above `enough`, it holds; else more may be there
@@ -86,8 +86,8 @@ impl Search {
 /// Bound on rounding errors, as a share of the computed value.
 const SLACK: f64 = 1e-11;
 
-/// Faces as rays from the light see them: a place stands for all on its ray. With a light at infinity rays are
-/// parallel, and a place is where its ray meets a plane before the light.
+/// Faces as rays from the light see them: a point stands for all on its ray. With a light at infinity rays are
+/// parallel, and a point is where its ray meets a plane before the light.
 struct Rays {
     positions: Vec<DVec3>,
     faces: Vec<[u32; 3]>,

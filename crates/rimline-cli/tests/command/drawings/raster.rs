@@ -60,7 +60,7 @@ fn render(svg: &str) -> Result<Vec<f32>, String> {
     Ok(pixels.pixels().iter().map(|pixel| 1.0 - f32::from(pixel.red()) / 255.0).collect())
 }
 
-/// Pixels of lines that the faces do not show, and places where they show a line and there is none.
+/// Pixels of lines that the faces do not show, and points where they show a line and there is none.
 #[derive(Debug)]
 struct Found {
     ink: usize,

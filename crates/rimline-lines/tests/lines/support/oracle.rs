@@ -99,7 +99,7 @@ impl Oracle {
         Self { faces, eye, moved, doubles: [x, y, z, w].map(f64::from) }
     }
 
-    /// The number of faces, or polygons, strictly between the eye and a point. With its place in `f64`, this may decide what is far
+    /// The number of faces, or polygons, strictly between the eye and a point. With its `f64` position, this may decide what is far
     /// from doubt.
     pub(crate) fn count(&self, point: &Point, quick: Option<[f64; 3]>) -> u32 {
         let mut odd = std::collections::BTreeMap::new();
