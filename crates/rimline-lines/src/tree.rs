@@ -23,9 +23,9 @@ impl Box3 {
     }
 
     pub(crate) fn join(self, other: Self) -> Self {
-        // There are no NaN, so comparisons do.
-        let less = |axis: usize| if self.low[axis] < other.low[axis] { self.low[axis] } else { other.low[axis] };
-        let more = |axis: usize| if self.high[axis] > other.high[axis] { self.high[axis] } else { other.high[axis] };
+        // Comparisons leave out a NaN of the other. Only faces without an area have any, and they meet nothing.
+        let less = |axis: usize| if other.low[axis] < self.low[axis] { other.low[axis] } else { self.low[axis] };
+        let more = |axis: usize| if other.high[axis] > self.high[axis] { other.high[axis] } else { self.high[axis] };
         Self { low: [less(0), less(1), less(2)], high: [more(0), more(1), more(2)] }
     }
 }

@@ -253,6 +253,16 @@ fn surfaces_meet() {
     let drawing = meetings(&rings);
     let counts = [drawing.chains.len(), drawing.spans.len()];
     assert!(counts[0] < 20 && counts[1] > 100, "{counts:?} chains and spans");
+    // A face without an area takes no line of others away, though its vertex, which no other face has, is NaN.
+    let ends =
+        [[0.0, 0.0, 0.5], [1.0, 0.0, 0.5], [0.4, 1.0, 0.5], [0.5, 0.25, 0.0], [0.5, 0.25, 1.0], [0.5, 0.75, 0.4]];
+    for (corner, axis) in (0..8_u8).flat_map(|corner| [0, 1, 2].map(|axis| (corner, axis))) {
+        let point = [0, 1, 2].map(|axis| f32::from(corner >> axis & 1));
+        let mut crossed = shape([&ends[..], &[point]].concat(), &[[0, 1, 2], [3, 4, 5], [6; 3]]);
+        crossed.positions[6][axis] = f32::NAN;
+        let length = length(&meetings(&[crossed]));
+        assert!((length - 5.0 / 12.0).abs() < 1e-6, "corner {corner}, axis {axis}: {length}");
+    }
 }
 
 /// A mesh whose faces are there twice is drawn as if they were there once, both ways around, in one object and in two.
