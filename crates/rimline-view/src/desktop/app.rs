@@ -230,7 +230,10 @@ impl App {
         if cfg!(target_os = "macos") {
             ask();
         } else {
-            let _ = std::thread::Builder::new().name("dialog".into()).spawn(ask);
+            let begun = std::thread::Builder::new().name("dialog".into()).spawn(ask);
+            if begun.is_err() {
+                let _ = self.proxy.send_event(None);
+            }
         }
     }
 }
@@ -248,6 +251,7 @@ impl ApplicationHandler<Chosen> for App {
     }
 
     fn user_event(&mut self, _: &ActiveEventLoop, files: Chosen) {
+        self.viewer.handle(Event::Answered);
         if let Some(files) = files {
             self.viewer.handle(Event::Opening);
             for file in &files {

@@ -48,6 +48,8 @@ pub enum Event {
     Flown([f32; 3], f32),
     /// Seconds passed.
     Passed(f32),
+    /// The dialog for files that [`Request::OpenFiles`](crate::Request::OpenFiles) asked for is closed, or was never shown.
+    Answered,
     /// Files were chosen or dropped, and each comes as [`Event::Opened`]. Errors of these are shown together.
     Opening,
     /// A model was opened, or could not be: its name and why.

@@ -27,7 +27,7 @@ static LAST: AtomicU64 = AtomicU64::new(0);
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Request {
-    /// Ask for files, and open them.
+    /// Ask for files, and open them. The next such request comes after [`Event::Answered`].
     OpenFiles,
     /// Write a picture, so many times as large each way.
     Screenshot {
@@ -79,6 +79,7 @@ struct Opened {
 
 /// The state of the viewer.
 #[derive(Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "states that do not depend on each other")]
 pub struct Viewer {
     /// Models that are shown.
     pub bodies: Vec<Body>,
@@ -112,6 +113,8 @@ pub struct Viewer {
     generation: u64,
     pub(super) pointer: Vec2,
     pub(super) drag: Option<Drag>,
+    /// Whether a dialog for files is open.
+    pub(super) is_asking: bool,
     /// Whether models of the viewer's own are shown, which those of files replace.
     is_built_in: bool,
     /// Lights and camera as they were placed for the models: those that the user changed stay when a model is added, and
@@ -145,6 +148,7 @@ impl Viewer {
             generation: 0,
             pointer: Vec2::ZERO,
             drag: None,
+            is_asking: false,
             is_built_in: true,
             arranged: (Vec::new(), orbit),
             opened: None,
@@ -273,6 +277,7 @@ impl Viewer {
             Event::Acted(action) => self.act(action),
             Event::Flown(by, seconds) => self.orbit.shift(Vec3::from(by) * 0.7 * seconds * self.bounds().extent()),
             Event::Passed(seconds) => self.clock.advance(seconds, self.duration()),
+            Event::Answered => self.is_asking = false,
             Event::Opening => self.message = None,
             Event::Opened(Ok(body)) => self.add(*body),
             Event::Opened(Err((name, why))) => self.add_error(&format!("{name}: {why}")),

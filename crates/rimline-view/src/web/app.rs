@@ -15,6 +15,8 @@ use crate::state::viewer::{Request, Viewer};
 
 /// Seconds between looks whether the device is lost.
 const WATCH: f64 = 1.0;
+/// Seconds after which files may be asked for again in any case. A dialog that is open hears the keys itself.
+const ASK_AGAIN: f64 = 5.0;
 
 struct App {
     page: Page,
@@ -81,8 +83,11 @@ fn listen_to_page(app: &Shared) -> Result<(), String> {
         event.prevent_default();
         open(&dropped, event.data_transfer().and_then(|data| data.files()).as_ref());
     });
-    let (chooser, chosen) = (page.element::<HtmlInputElement>("files")?, Rc::clone(app));
+    let chooser = page.element::<HtmlInputElement>("files")?;
+    let (chosen, cancelled) = (Rc::clone(app), Rc::clone(app));
+    listen(&chooser, "cancel", move |_: web_sys::Event| cancelled.borrow_mut().viewer.handle(Event::Answered));
     listen(&chooser.clone(), "change", move |_: web_sys::Event| {
+        chosen.borrow_mut().viewer.handle(Event::Answered);
         open(&chosen, chooser.files().as_ref());
         // The same file may be chosen again.
         chooser.set_value("");
@@ -237,6 +242,9 @@ fn fulfil(app: &Shared, request: Request) {
             if let Ok(chooser) = page.element::<HtmlInputElement>("files") {
                 chooser.click();
             }
+            // A browser that shows no dialog does not say so.
+            let asked = Rc::clone(app);
+            page.after(ASK_AGAIN, move || asked.borrow_mut().viewer.handle(Event::Answered));
         }
         Request::Copy(line) => wasm_bindgen_futures::spawn_local(async move {
             let how = if page.copy(&line).await { "copied" } else { "no clipboard; the line is here" };
