@@ -154,6 +154,8 @@ impl App {
             self.redraw();
             return Ok(());
         }
+        // A surface that was refused gives no textures.
+        shown.screen.gpu.check()?;
         let Shown { renderer, panel, input, screen, titled } = shown;
         let texture = match screen.next()? {
             Next::Texture(texture) => texture,
@@ -176,6 +178,7 @@ impl App {
         panel.paint(&screen.gpu, &view, screen.size(), &output);
         window.pre_present_notify();
         screen.gpu.queue.present(texture);
+        screen.gpu.check()?;
         if output.repaint_after.is_zero() {
             window.request_redraw();
         } else {

@@ -8,8 +8,9 @@ use rimline_view::{Action, Body, BodyError, Event, Gpu, Overlays, Renderer, Sour
 
 use crate::support::{Outcome, block, finish, gpu, hold, picture, rest, say, viewer};
 
-pub(crate) const TESTS: [Test; 3] = [
+pub(crate) const TESTS: [Test; 4] = [
     ("overlays that are refused are switched off, and the model and the picture stay", refused_overlays),
+    ("an error of the device that nobody expects is told, and no panic", unexpected),
     ("a device that is lost changes nothing of the viewer", lost_device),
     ("a renderer takes viewers in turn", viewers_in_turn),
 ];
@@ -50,11 +51,33 @@ fn refused_overlays() -> Outcome {
     hold(finish(&renderer, last)? == before, "a picture that fails takes the place of the last one")
 }
 
-fn lost_device() -> Outcome {
+/// A device of the test's own.
+fn opened() -> Result<Gpu, String> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle().with_env());
     let options = wgpu::RequestAdapterOptions::default();
     let adapter = pollster::block_on(instance.request_adapter(&options)).map_err(say)?;
-    let mut renderer = Renderer::new(pollster::block_on(Gpu::open(&adapter)).map_err(say)?).map_err(say)?;
+    pollster::block_on(Gpu::open(&adapter)).map_err(say)
+}
+
+fn unexpected() -> Outcome {
+    let gpu = opened()?;
+    gpu.check().map_err(say)?;
+    let (usage, mapped_at_creation) = (wgpu::BufferUsages::empty(), false);
+    for label in ["useless", "second"] {
+        let label = Some(label);
+        let _ = gpu.device.create_buffer(&wgpu::BufferDescriptor { label, size: 4, usage, mapped_at_creation });
+    }
+    let said = gpu.check().err().map(|error| error.to_string()).unwrap_or_default();
+    let is_first = said.contains(&gpu.name) && said.contains("useless") && !said.contains("second");
+    hold(is_first && said.lines().count() == 1, said)?;
+    // The window takes another device then.
+    gpu.device.destroy();
+    gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(say)?;
+    hold(gpu.is_lost() && gpu.check().is_ok(), "a lost device refuses something")
+}
+
+fn lost_device() -> Outcome {
+    let mut renderer = Renderer::new(opened()?).map_err(say)?;
     let mut viewer = Viewer::new(scenes::moebius().map_err(say)?);
     viewer.handle(Event::Acted(Action::Silhouettes));
     renderer.gpu().device.destroy();
