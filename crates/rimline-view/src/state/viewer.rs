@@ -8,7 +8,7 @@ use rimline::gltf::SceneCamera;
 use rimline_files::ReadOptions;
 use rimline_picture::{Bounds, Mode};
 
-use super::body::Body;
+use super::body::{Body, short};
 use super::camera::{Camera, Orbit};
 use super::clock::Clock;
 use super::event::Event;
@@ -189,7 +189,8 @@ impl Viewer {
         let bounds = self.bounds();
         let cameras = self.bodies.iter().flat_map(Body::cameras).enumerate();
         let named = |(number, camera): (usize, &SceneCamera)| {
-            (camera.name.clone().unwrap_or_else(|| format!("camera {number}")), Orbit::of_file(camera, &bounds))
+            let name = camera.name.as_deref().map_or_else(|| format!("camera {number}"), short);
+            (name, Orbit::of_file(camera, &bounds))
         };
         cameras.map(named).collect()
     }
