@@ -366,7 +366,8 @@ impl Viewer {
     /// Places camera and lights for new models.
     fn arrange(&mut self) {
         let bounds = self.bounds();
-        self.lamps = self.bodies.first().map_or_else(Vec::new, |body| lamps_of(body, &bounds));
+        self.lamps = self.bodies.first().map_or_else(Vec::new, |body| Lamp::all_of_file(&body.lights(), &bounds));
+        self.lamps.truncate(MAX_LAMPS);
         if self.lamps.is_empty() {
             self.lamps = (0..3).map(|number| Lamp::around(&bounds, number)).collect();
         }
@@ -397,19 +398,4 @@ impl Viewer {
         self.orbit = Orbit::showing(&bounds, &handles, width / height);
         self.arranged.1 = self.orbit;
     }
-}
-
-/// The lights of a file, as many as the viewer has; the brightest counts as 1.
-fn lamps_of(body: &Body, bounds: &Bounds) -> Vec<Lamp> {
-    let lights = body.lights();
-    let illuminance = |light: &rimline::gltf::SceneLight| {
-        if light.light.w == 0.0 {
-            return light.intensity;
-        }
-        let distance = (Vec3::from(light.light.xyz) - bounds.centre()).length().max(0.5 * bounds.extent());
-        light.intensity / (distance * distance)
-    };
-    let brightest = lights.iter().map(illuminance).fold(0.0, f32::max);
-    let lamp = |light| Lamp::of_file(light, if brightest > 0.0 { illuminance(light) / brightest } else { 1.0 });
-    lights.iter().take(MAX_LAMPS).map(lamp).collect()
 }
