@@ -179,7 +179,7 @@ impl App {
         window.pre_present_notify();
         screen.gpu.queue.present(texture);
         screen.gpu.check()?;
-        if output.repaint_after.is_zero() {
+        if output.repaint_after.is_zero() || screen.gpu.is_lost() {
             window.request_redraw();
         } else {
             self.wake_at = Instant::now().checked_add(output.repaint_after);

@@ -11,7 +11,7 @@ use rimline_view::{
     Action, Event, Handle, LampKind, Message, Panel, PanelOutput, Renderer, Request, Tone, Viewer, scenes,
 };
 
-use crate::support::{Outcome, handle, hold, say, viewer};
+use crate::support::{Outcome, handle, hold, say, viewer, window};
 
 pub(crate) const TESTS: [Test; 12] = [
     ("a still panel asks for no repaint", a_still_panel_asks_for_no_repaint),
@@ -51,19 +51,8 @@ impl Stage {
     pub(crate) fn of_size(scene: scenes::Make, size: [u32; 2]) -> Result<Self, String> {
         let (mut viewer, renderer) = viewer(scene, size)?;
         viewer.options.samples = 1;
-        let format = wgpu::TextureFormat::Rgba8Unorm;
-        let target = renderer.gpu().device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("window"),
-            size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
-        let target = target.create_view(&wgpu::TextureViewDescriptor::default());
-        let panel = Panel::new(renderer.gpu(), format);
+        let target = window(renderer.gpu(), size);
+        let panel = Panel::new(renderer.gpu(), target.texture().format());
         // A letter is drawn once, and not for each fourth of a pixel that it may begin at.
         panel.context().all_styles_mut(|style| style.visuals.text_options.subpixel_binning = false);
         Ok(Self { size, viewer, renderer, panel, target, time: 0.0, scale: 1.0 })
