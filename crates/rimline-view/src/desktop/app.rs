@@ -256,7 +256,9 @@ impl ApplicationHandler<Chosen> for App {
     fn user_event(&mut self, _: &ActiveEventLoop, files: Chosen) {
         self.viewer.handle(Event::Answered);
         if let Some(files) = files {
-            self.viewer.handle(Event::Opening);
+            if !files.is_empty() {
+                self.viewer.handle(Event::Opening);
+            }
             for file in &files {
                 _ = open(&mut self.viewer, file);
             }

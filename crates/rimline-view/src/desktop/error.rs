@@ -39,7 +39,7 @@ pub enum DesktopError {
         /// Adapters that were found, or those of them that have the name that was asked for.
         found: String,
     },
-    /// The picture cannot be drawn.
+    /// The device cannot draw, or refused something.
     #[error(transparent)]
     Render(#[from] RenderError),
     /// A built-in scene cannot be made.

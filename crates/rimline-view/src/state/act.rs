@@ -75,7 +75,7 @@ impl Viewer {
         }
     }
 
-    /// Its message comes in the place of those before.
+    /// Asks for a screenshot. Its message follows, and replaces those before.
     fn ask_for_screenshot(&mut self, scale: u32) {
         self.message = None;
         self.requests.push(Request::Screenshot { scale });

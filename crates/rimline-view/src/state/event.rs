@@ -54,8 +54,6 @@ pub enum Event {
     Opening,
     /// A model was opened, or could not be: its name and why.
     Opened(Result<Box<Body>, (String, String)>),
-    /// The scene was replaced, by models of the viewer's own.
-    Replaced(Vec<Body>),
     /// The command line of the view was copied, or what became of it instead, in words: it and the line.
     Copied(String, String),
     /// Something else to tell the user.

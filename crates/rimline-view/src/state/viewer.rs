@@ -282,7 +282,6 @@ impl Viewer {
             Event::Opening => self.message = None,
             Event::Opened(Ok(body)) => self.add(*body),
             Event::Opened(Err((name, why))) => self.add_error(&format!("{name}: {why}")),
-            Event::Replaced(bodies) => self.replace(bodies),
             Event::Copied(how, line) => self.copied(how, line),
             Event::Message(text) => self.message = Some(Message::new(Tone::Note, text)),
         }
@@ -297,6 +296,7 @@ impl Viewer {
         }
     }
 
+    /// Shows models of the viewer's own. Those of files are kept.
     pub(super) fn replace(&mut self, bodies: Vec<Body>) {
         let bodies = std::mem::replace(&mut self.bodies, bodies);
         if !self.is_built_in && !bodies.is_empty() {

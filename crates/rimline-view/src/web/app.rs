@@ -100,13 +100,13 @@ fn listen_to_page(app: &Shared) -> Result<(), String> {
 
 /// Opens files, or lets the viewer say why they cannot be opened.
 fn open(app: &Shared, list: Option<&web_sys::FileList>) {
+    let Some(list) = list else { return };
     app.borrow_mut().viewer.handle(Event::Opening);
     let app = Rc::clone(app);
-    let take = move |name: &str, file| {
+    files::read_each(list, move |name, file| {
         app.borrow_mut().viewer.open(name, name.to_owned(), file);
         ask_for_frame(&app);
-    };
-    list.into_iter().for_each(|list| files::read_each(list, take.clone()));
+    });
 }
 
 /// Paints anew when a screen with other pixels shows the page, of which no event tells.
