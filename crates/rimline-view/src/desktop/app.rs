@@ -170,7 +170,7 @@ impl App {
             self.redraw();
             return Ok(());
         }
-        // A surface that was refused gives no textures.
+        // wgpu panics where a surface that it refused is asked for a texture.
         shown.screen.gpu.check()?;
         let Shown { renderer, panel, input, screen, titled } = shown;
         let texture = match screen.next()? {

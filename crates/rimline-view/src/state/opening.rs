@@ -46,7 +46,7 @@ mod tests {
 
     use crate::state::event::Event;
     use crate::state::keys::Action;
-    use crate::state::viewer::{Request, Tone, Viewer};
+    use crate::state::viewer::{Tone, Viewer};
 
     #[test]
     fn one_dialog_is_open_at_a_time() {
