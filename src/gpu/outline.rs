@@ -102,7 +102,8 @@ impl Default for OutlineFormat {
 /// colour is not drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OutlineStyle {
-    /// The width of lines in pixels. Lines of less than a pixel are fainter.
+    /// The width of lines in pixels. Lines of less than a pixel are fainter. Time grows with the pixels that lines cover:
+    /// lines thousands of pixels wide take long.
     pub width: f32,
     /// The colour of edges between a face that faces the eye and one that does not.
     pub silhouette: Option<[f32; 4]>,

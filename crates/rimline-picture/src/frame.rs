@@ -173,7 +173,17 @@ impl Part {
     /// The part with this number. Parts that follow each other share a pixel: their patterns are most unlike.
     pub fn of(size: [u32; 2], part: usize) -> Self {
         let (pixel, sample) = (part / 4, SAMPLES[part % 4]);
-        let first = [(pixel & 1) as f32 + sample[0], (pixel >> 1) as f32 + sample[1]];
+        Self::starting_at(size, [(pixel & 1) as f32 + sample[0], (pixel >> 1) as f32 + sample[1]])
+    }
+
+    /// The middles of squares of four pixels. Where the picture has an odd number of rows or columns, the last squares reach
+    /// over its border.
+    pub fn halved(size: [u32; 2]) -> Self {
+        Self::starting_at(size, [0.5 * PITCH as f32; 2])
+    }
+
+    /// Pixels that begin with one whose centre is there.
+    fn starting_at(size: [u32; 2], first: [f32; 2]) -> Self {
         let pitch = PITCH as f32;
         let along = |axis: usize| {
             let (all, drawn) = (size[axis] as f32, Self::size(size)[axis] as f32);
@@ -227,8 +237,7 @@ mod tests {
     #[test]
     fn a_pixel_drawn_shows_its_position_in_the_picture() {
         for size in [[960, 720], [101, 33], [1, 1]] {
-            for number in 0..PARTS {
-                let part = Part::of(size, number);
+            for part in (0..PARTS).map(|number| Part::of(size, number)).chain([Part::halved(size)]) {
                 let drawn = Part::size(size).map(|pixels| pixels as f32);
                 for pixel in [[0.0, 0.0], [drawn[0] - 1.0, drawn[1] - 1.0]] {
                     let position = [0, 1].map(|axis| part.pitch * pixel[axis] + part.first[axis]);
@@ -236,7 +245,7 @@ mod tests {
                     let clip = part.clip.project_point3(Vec3::new(x, -y, 0.5));
                     let found = [0.5 * (clip.x + 1.0) * drawn[0] - 0.5, 0.5 * (1.0 - clip.y) * drawn[1] - 0.5];
                     let error = (found[0] - pixel[0]).abs().max((found[1] - pixel[1]).abs());
-                    assert!(error < 1e-3, "{size:?}, part {number}: {found:?} instead of {pixel:?}");
+                    assert!(error < 1e-3, "{size:?}, {part:?}: {found:?} instead of {pixel:?}");
                 }
             }
         }

@@ -21,6 +21,8 @@ use crate::state::viewer::{Request, Viewer};
 
 /// A dialog that ends sooner was never shown.
 const LEAST_DIALOG: Duration = Duration::from_millis(300);
+/// A new device that is lost sooner cannot do what it is asked for, and the next one could not.
+const LEAST_DEVICE: Duration = Duration::from_secs(10);
 
 pub(super) fn run(options: DesktopOptions, mut viewer: Viewer) -> Result<(), DesktopError> {
     if !options.pictures.is_dir() {
@@ -34,8 +36,17 @@ pub(super) fn run(options: DesktopOptions, mut viewer: Viewer) -> Result<(), Des
     let events = EventLoop::<Chosen>::with_user_event();
     let events = { events }.build().map_err(|error| DesktopError::NoDisplay(reason(&error.to_string())))?;
     let proxy = events.create_proxy();
-    let mut app =
-        App { options, viewer, proxy, shown: None, clipboard: None, error: None, wake_at: None, is_dropping: false };
+    let mut app = App {
+        options,
+        viewer,
+        proxy,
+        shown: None,
+        clipboard: None,
+        error: None,
+        wake_at: None,
+        renewed_at: None,
+        is_dropping: false,
+    };
     events.run_app(&mut app).map_err(|error| DesktopError::Window(error.to_string()))?;
     app.error.map_or(Ok(()), Err)
 }
@@ -76,6 +87,8 @@ struct App {
     error: Option<DesktopError>,
     /// When the panel wants to be run again.
     wake_at: Option<Instant>,
+    /// When the last new device was made, after another was lost.
+    renewed_at: Option<Instant>,
     /// Whether files were dropped since the last frame.
     is_dropping: bool,
 }
@@ -145,15 +158,20 @@ impl App {
     fn paint(&mut self) -> Result<(), DesktopError> {
         let Self { viewer, shown: Some(shown), options, .. } = self else { return Ok(()) };
         if shown.screen.gpu.is_lost() {
+            if self.renewed_at.is_some_and(|at| at.elapsed() < LEAST_DEVICE) {
+                return Err(DesktopError::LostAgain);
+            }
             // Another device, or the same one again; the state stays.
             let window = Arc::clone(&shown.screen.window);
             self.shown = None;
             let shown = Shown::on(&window, options)?;
             viewer.handle(Event::Message("the device was lost; everything was made anew".into()));
-            self.shown = Some(shown);
+            (self.shown, self.renewed_at) = (Some(shown), Some(Instant::now()));
             self.redraw();
             return Ok(());
         }
+        // wgpu panics where a surface that it refused is asked for a texture.
+        shown.screen.gpu.check()?;
         let Shown { renderer, panel, input, screen, titled } = shown;
         let texture = match screen.next()? {
             Next::Texture(texture) => texture,
@@ -176,7 +194,8 @@ impl App {
         panel.paint(&screen.gpu, &view, screen.size(), &output);
         window.pre_present_notify();
         screen.gpu.queue.present(texture);
-        if output.repaint_after.is_zero() {
+        screen.gpu.check()?;
+        if output.repaint_after.is_zero() || screen.gpu.is_lost() {
             window.request_redraw();
         } else {
             self.wake_at = Instant::now().checked_add(output.repaint_after);
@@ -230,7 +249,10 @@ impl App {
         if cfg!(target_os = "macos") {
             ask();
         } else {
-            let _ = std::thread::Builder::new().name("dialog".into()).spawn(ask);
+            let begun = std::thread::Builder::new().name("dialog".into()).spawn(ask);
+            if begun.is_err() {
+                let _ = self.proxy.send_event(None);
+            }
         }
     }
 }
@@ -248,8 +270,11 @@ impl ApplicationHandler<Chosen> for App {
     }
 
     fn user_event(&mut self, _: &ActiveEventLoop, files: Chosen) {
+        self.viewer.handle(Event::Answered);
         if let Some(files) = files {
-            self.viewer.handle(Event::Opening);
+            if !files.is_empty() {
+                self.viewer.handle(Event::Opening);
+            }
             for file in &files {
                 _ = open(&mut self.viewer, file);
             }

@@ -39,7 +39,10 @@ pub enum DesktopError {
         /// Adapters that were found, or those of them that have the name that was asked for.
         found: String,
     },
-    /// The picture cannot be drawn.
+    /// The device was lost, and the new one soon afterwards.
+    #[error("the device was lost twice: what is shown may take it too long; try a smaller model or another device")]
+    LostAgain,
+    /// The device cannot draw, or refused something.
     #[error(transparent)]
     Render(#[from] RenderError),
     /// A built-in scene cannot be made.

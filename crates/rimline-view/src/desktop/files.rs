@@ -1,6 +1,6 @@
 //! Files: what is opened, and where screenshots go.
 
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,9 @@ pub(super) fn save(folder: &Path, picture: &[u8]) -> Result<PathBuf, String> {
     let mut number = 1_u32;
     loop {
         let path = folder.join(format!("rimline-{number}.png"));
-        match File::create_new(&path).and_then(|mut file| file.write_all(picture)) {
+        // A part of a picture is none.
+        let write = |mut file: File| file.write_all(picture).inspect_err(|_| _ = fs::remove_file(&path));
+        match File::create_new(&path).and_then(write) {
             Ok(()) => return Ok(path),
             Err(error) if error.kind() == ErrorKind::AlreadyExists => number += 1,
             Err(error) => return Err(format!("{}: {error}", path.display())),

@@ -174,8 +174,12 @@ impl Panel {
         }
     }
 
-    /// Paints onto a target of this size in pixels, and submits.
+    /// Paints onto a target of this size in pixels, and submits, unless the device is lost.
     pub fn paint(&mut self, gpu: &Gpu, target: &wgpu::TextureView, size: [u32; 2], output: &PanelOutput) {
+        if gpu.is_lost() {
+            // egui panics where it gets no memory for copies.
+            return;
+        }
         let screen = ScreenDescriptor { size_in_pixels: size, pixels_per_point: output.pixels_per_point };
         for (id, deltas) in &self.deltas.set {
             for delta in deltas {

@@ -193,8 +193,7 @@ impl Over {
     fn lamp(&self, lamp: &Lamp, is_selected: bool, is_hovered: bool) {
         let handle = lamp.handle(&self.bounds);
         let Some(at) = self.at(handle) else { return };
-        let brightest = lamp.color.iter().copied().fold(1e-6, f32::max);
-        let [r, g, b] = lamp.color.map(|c| ((c / brightest).powf(1.0 / 2.2) * 255.0) as u8);
+        let [r, g, b] = lamp.shown_color().map(|c| (c * 255.0) as u8);
         let color = if lamp.is_on { Color32::from_rgb(r, g, b) } else { Color32::from_gray(90) };
         let faint = Stroke::new(1.0, Color32::from_rgba_unmultiplied(20, 22, 26, 120));
         match lamp.kind {

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use super::models::grouped;
-use super::style;
+use super::{HISTORY, style};
 use crate::renderer::Renderer;
 use crate::state::viewer::Viewer;
 
@@ -74,7 +74,7 @@ fn plot(ui: &mut egui::Ui, history: &VecDeque<f32>) {
             painter.hline(rect.x_range(), height(ms), stroke);
         }
     }
-    let step = rect.width() / 119.0;
+    let step = rect.width() / (HISTORY - 1) as f32;
     let point = |(number, &ms): (usize, &f32)| egui::pos2(rect.right() - number as f32 * step, height(ms));
     let points: Vec<_> = history.iter().enumerate().map(point).collect();
     painter.line(points, egui::Stroke::new(1.5, style::ACCENT));

@@ -1,6 +1,6 @@
 //! Textures of a picture, and what reads them.
 
-use rimline_picture::{PictureFormat, Resources, Targets, color_pass, view};
+use rimline_picture::{Part, PictureFormat, Resources, Targets, color_pass, view};
 
 use super::error::RenderError;
 use super::gpu::granted;
@@ -10,7 +10,7 @@ use super::gpu::granted;
 pub(super) struct Quality {
     /// Samples a pixel.
     pub(super) samples: u32,
-    /// How many pixels of the window a pixel of the picture is wide and high.
+    /// How many pixels of the window a pixel of the picture is wide and high: 1 or 2.
     pub(super) step: u32,
 }
 
@@ -28,8 +28,10 @@ impl Quality {
 /// The targets of a picture of one size.
 pub(super) struct Canvas {
     /// The size of the picture in pixels of the window.
-    of: [u32; 2],
+    pub(super) of: [u32; 2],
     pub(super) quality: Quality,
+    /// The pixels that are drawn, and how many there are.
+    pub(super) part: Part,
     pub(super) size: [u32; 2],
     pub(super) format: PictureFormat,
     pub(super) targets: Targets,
@@ -50,13 +52,14 @@ impl Canvas {
         if width.max(height) > limit {
             return Err(RenderError::Size { width, height, limit });
         }
-        let (size, format) = (of.map(|side| side.div_ceil(quality.step)), format(quality.samples));
+        let (size, part) = if quality.step > 1 { (Part::size(of), Part::halved(of)) } else { (of, Part::WHOLE) };
+        let format = format(quality.samples);
         let make = || Targets::new(&resources.factory, format, size, wgpu::TextureUsages::TEXTURE_BINDING);
         let targets = granted(&resources.factory.device, make).map_err(|why| RenderError::refused(size, why))?;
         let aspect = wgpu::TextureAspect::DepthOnly;
         let depth = targets.attachments[0].depth.texture();
         let depth = depth.create_view(&wgpu::TextureViewDescriptor { aspect, ..Default::default() });
-        Ok(Self { of, quality, size, format, depth, picture: view(&targets.picture), targets })
+        Ok(Self { of, quality, part, size, format, depth, picture: view(&targets.picture), targets })
     }
 
     /// Whether it is for pictures of a size and quality.

@@ -56,10 +56,10 @@ impl Readings {
 
     /// Takes what has arrived. Returns whether something did.
     pub(super) fn poll(&mut self, gpu: &Gpu, counters: &mut Counters) -> bool {
-        if !self.are_pending() {
+        // A lost device gives none, and is noticed elsewhere.
+        if !self.are_pending() || gpu.is_lost() {
             return false;
         }
-        // A lost device is noticed elsewhere.
         let _ = gpu.device.poll(wgpu::PollType::Poll);
         let (scene, shadow, stages) = (taken(&mut self.scene), taken(&mut self.shadow), taken(&mut self.stages));
         let has_arrived = scene.is_some() || shadow.is_some() || stages.is_some();

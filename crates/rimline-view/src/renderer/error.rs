@@ -14,6 +14,14 @@ pub enum RenderError {
         /// Why.
         why: String,
     },
+    /// The device refused something that it should do. What it drew since may be wrong.
+    #[error("the device {name} refused what the viewer needs: {why}; a newer driver or another device may not")]
+    Unexpected {
+        /// Its name.
+        name: String,
+        /// Why, in the device's words.
+        why: String,
+    },
     /// A model cannot be shown. The others can.
     #[error("{name}: {why}")]
     Body {

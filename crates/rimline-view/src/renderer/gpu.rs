@@ -1,8 +1,8 @@
 //! The device.
 
 use std::pin::pin;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::task::{Context, Poll, Waker};
 
 use rimline::gpu::Pipelines;
@@ -23,6 +23,8 @@ pub struct Gpu {
     pub is_software: bool,
     pub(crate) pipelines: Pipelines,
     is_lost: Arc<AtomicBool>,
+    /// The first error of the device that no error scope took.
+    refusal: Arc<OnceLock<String>>,
 }
 
 /// Features that are used where a device has them.
@@ -58,20 +60,31 @@ impl Gpu {
             .map_err(|error| refused(error.to_string()))?;
         let is_software = info.device_type == wgpu::DeviceType::Cpu;
         let gpu = Self::of(device, queue, name, is_software);
-        let is_lost = Arc::clone(&gpu.is_lost);
+        let (is_lost, refusal) = (Arc::clone(&gpu.is_lost), Arc::clone(&gpu.refusal));
         gpu.device.set_device_lost_callback(move |_, _| is_lost.store(true, Ordering::Relaxed));
+        // Without this, wgpu panics. Later errors follow from the first.
+        gpu.device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| _ = refusal.set(one_line(&error))));
         Ok(gpu)
     }
 
-    /// Takes a device that is there.
+    /// Takes a device that is there. Its owner hears of its errors and of its loss.
     pub fn of(device: wgpu::Device, queue: wgpu::Queue, name: String, is_software: bool) -> Self {
         let pipelines = Pipelines::new(&device);
-        Self { device, queue, name, is_software, pipelines, is_lost: Arc::default() }
+        Self { device, queue, name, is_software, pipelines, is_lost: Arc::default(), refusal: Arc::default() }
     }
 
     /// Whether the device is lost: everything is to be made anew, on another one.
     pub fn is_lost(&self) -> bool {
         self.is_lost.load(Ordering::Relaxed)
+    }
+
+    /// Whether the device did all that was asked of it. A lost device is another matter.
+    ///
+    /// # Errors
+    /// [`RenderError::Unexpected`] if it refused something, so that what is shown may be wrong.
+    pub fn check(&self) -> Result<(), RenderError> {
+        let why = self.refusal.get().filter(|_| !self.is_lost());
+        why.map_or(Ok(()), |why| Err(RenderError::Unexpected { name: self.name.clone(), why: why.clone() }))
     }
 
     /// Device and queue.
@@ -84,8 +97,13 @@ impl Gpu {
     }
 }
 
+/// wgpu breaks its messages into lines.
+fn one_line(error: &wgpu::Error) -> String {
+    error.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 /// Makes textures and buffers, or says why the device refuses them: most often it lacks memory. A browser answers later than
-/// this returns, to the handler of all errors.
+/// this returns, so that [`Gpu::check`] says it.
 pub(super) fn granted<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> Result<T, String> {
     if cfg!(target_arch = "wasm32") {
         return Ok(make());

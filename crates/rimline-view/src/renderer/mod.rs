@@ -280,7 +280,7 @@ impl Renderer {
         let pipelines = pipelines.iter().find(|pipelines| pipelines.samples() == canvas.format.samples);
         let Some(pipelines) = pipelines else { unreachable!("they were made above") };
 
-        let seen = SeenScene::of(viewer, canvas.size);
+        let seen = SeenScene::of(viewer, canvas.of, canvas.part);
         let view = seen.view();
         resources.set(&view);
         let camera = view.shadow_camera();

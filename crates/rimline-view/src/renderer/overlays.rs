@@ -127,8 +127,7 @@ impl Overlays {
                 outline.map_err(|error| RenderError::overlays(&body.name, &error))
             };
             for (number, lamp) in lamps.iter().enumerate().filter(|_| shown.light_silhouettes) {
-                let brightest = lamp.color.iter().copied().fold(1e-6, f32::max);
-                let [r, g, b] = lamp.color.map(|c| (c / brightest).powf(1.0 / 2.2));
+                let [r, g, b] = lamp.shown_color();
                 let color = Some([r, g, b, 1.0]);
                 let style = OutlineStyle { width, silhouette: color, boundary: color, ..OutlineStyle::default() };
                 outlines.push(prepare(number, style, None)?);

@@ -66,7 +66,7 @@ impl Pipelines {
         Ok(())
     }
 
-    /// Draws receivers.
+    /// The pipeline of receivers.
     pub(super) fn tiles(&self, resources: &Resources) -> &Tiles {
         self.tiles.get_or_init(|| Tiles::new(resources, self.passes.format()))
     }

@@ -21,7 +21,7 @@ impl Viewer {
         match action {
             Action::Help => flip(&mut self.shows_help),
             Action::Panel => flip(&mut self.shows_panel),
-            Action::OpenFile => self.requests.push(Request::OpenFiles),
+            Action::OpenFile => self.ask_for_files(),
             Action::NextScene => self.next_scene(),
             Action::ResetCamera => self.reset_camera(),
             Action::NextCamera => self.next_camera(),
@@ -65,6 +65,13 @@ impl Viewer {
             Action::Close => self.requests.push(Request::Close),
             // No light, or a switch.
             _ => {}
+        }
+    }
+
+    /// Asks for files, unless the dialog of the last time is still open.
+    fn ask_for_files(&mut self) {
+        if !std::mem::replace(&mut self.is_asking, true) {
+            self.requests.push(Request::OpenFiles);
         }
     }
 

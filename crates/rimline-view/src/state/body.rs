@@ -75,7 +75,7 @@ impl Source for Asset {
 
     fn animations(&self) -> Vec<(String, f32)> {
         let name = |(number, info): (usize, &rimline::gltf::AnimationInfo)| {
-            (info.name.clone().unwrap_or_else(|| format!("animation {number}")), info.duration_s)
+            (info.name.as_deref().map_or_else(|| format!("animation {number}"), short), info.duration_s)
         };
         self.animations().iter().enumerate().map(name).collect()
     }
@@ -282,6 +282,16 @@ impl Body {
     }
 }
 
+/// A name in a file as a list shows it: in one line, since names may have any length and characters.
+pub(crate) fn short(name: &str) -> String {
+    const LONGEST: usize = 60;
+    let mut short: String = name.chars().take(LONGEST).map(|c| if c.is_control() { ' ' } else { c }).collect();
+    if name.chars().nth(LONGEST).is_some() {
+        short.push('…');
+    }
+    short
+}
+
 /// A bit for each edge record, in words, for edges of more than two faces and of faces that run opposite ways.
 pub(crate) fn non_manifold_bits(mesh: &Mesh) -> Vec<u32> {
     let undirected = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
@@ -331,6 +341,13 @@ mod tests {
         assert!(advice(0, 1, 0).contains("share an edge"));
         assert!(advice(0, 1, 1).contains("which side is out"));
         assert!(advice(1, 1, 1).contains("--weld position"));
+    }
+
+    #[test]
+    fn names_of_files_are_short_lines() {
+        assert_eq!(short("walk\nand run"), "walk and run");
+        assert_eq!(short(&"é".repeat(60)), "é".repeat(60));
+        assert_eq!(short(&"é".repeat(1 << 20)), "é".repeat(60) + "…");
     }
 
     #[test]

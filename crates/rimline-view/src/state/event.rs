@@ -48,12 +48,12 @@ pub enum Event {
     Flown([f32; 3], f32),
     /// Seconds passed.
     Passed(f32),
+    /// The dialog for files that [`Request::OpenFiles`](crate::Request::OpenFiles) asked for is closed, or was never shown.
+    Answered,
     /// Files were chosen or dropped, and each comes as [`Event::Opened`]. Errors of these are shown together.
     Opening,
     /// A model was opened, or could not be: its name and why.
     Opened(Result<Box<Body>, (String, String)>),
-    /// The scene was replaced, by models of the viewer's own.
-    Replaced(Vec<Body>),
     /// The command line of the view was copied, or what became of it instead, in words: it and the line.
     Copied(String, String),
     /// Something else to tell the user.

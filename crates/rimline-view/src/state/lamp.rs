@@ -72,6 +72,21 @@ impl Lamp {
         }
     }
 
+    /// The lights of a file around models in `bounds`. The brightest counts as 1.
+    pub(super) fn all_of_file(lights: &[SceneLight], bounds: &Bounds) -> Vec<Self> {
+        let illuminance = |light: &SceneLight| {
+            if light.light.w == 0.0 {
+                return light.intensity;
+            }
+            let distance = (Vec3::from(light.light.xyz) - bounds.centre()).length().max(0.5 * bounds.extent());
+            light.intensity / (distance * distance)
+        };
+        let brightest = lights.iter().map(illuminance).fold(0.0, f32::max);
+        // All may be dark, and squares of small distances are 0.
+        let share = |light| Some(illuminance(light) / brightest).filter(|share| share.is_finite()).unwrap_or(1.0);
+        lights.iter().map(|light| Self::of_file(light, share(light))).collect()
+    }
+
     /// A light of a file, with `intensity` as its share of the brightest one's. Where a spot begins to fade is not kept.
     pub fn of_file(light: &SceneLight, intensity: f32) -> Self {
         let xyz = Vec3::from(light.light.xyz);
@@ -118,6 +133,12 @@ impl Lamp {
     /// Colour times intensity.
     pub fn shine(&self) -> Vec3 {
         Vec3::from(self.color) * self.intensity
+    }
+
+    /// The colour at full brightness, from 0 to 1 as the screen takes it.
+    pub(crate) fn shown_color(&self) -> [f32; 3] {
+        let brightest = self.color.iter().copied().fold(1e-6, f32::max);
+        self.color.map(|c| (c / brightest).powf(1.0 / 2.2))
     }
 
     /// The point of its handle: the light itself, or for a light at infinity a point in its direction, near the models.
@@ -172,4 +193,31 @@ impl Lamp {
 /// How far from the middle of the models the handles of lights at infinity are.
 pub(crate) fn sun_distance(bounds: &Bounds) -> f32 {
     bounds.extent()
+}
+
+#[cfg(test)]
+mod tests {
+    use rimline::gltf::SceneLightKind;
+
+    use super::*;
+
+    #[test]
+    fn lights_of_a_file_are_as_bright_as_their_shares() {
+        for (size, intensities, shares) in
+            [(1.0, [4.0, 1.0], [1.0, 0.25]), (1.0, [0.0, 0.0], [1.0, 1.0]), (1e-30, [4.0, 1.0], [1.0, 1.0])]
+        {
+            let lights = intensities.map(|intensity| SceneLight {
+                name: None,
+                light: Light::point([0.0, size, 0.0]),
+                kind: SceneLightKind::Point,
+                color: [1.0; 3],
+                intensity,
+                range: None,
+                cone: None,
+            });
+            let bounds = Bounds { min: Vec3::splat(-size), max: Vec3::splat(size) };
+            let found: Vec<f32> = Lamp::all_of_file(&lights, &bounds).iter().map(|lamp| lamp.intensity).collect();
+            assert_eq!(found, shares, "{size}: {intensities:?}");
+        }
+    }
 }

@@ -45,7 +45,22 @@ mod tests {
     use rimline_files::{ReadOptions, read_bytes};
 
     use crate::state::event::Event;
+    use crate::state::keys::Action;
     use crate::state::viewer::{Tone, Viewer};
+
+    #[test]
+    fn one_dialog_is_open_at_a_time() {
+        let mut viewer = Viewer::new(crate::scenes::moebius().expect("a band"));
+        let mut asked = |event: Option<Event>| {
+            viewer.handle(Event::Acted(Action::OpenFile));
+            event.into_iter().for_each(|event| viewer.handle(event));
+            std::mem::take(&mut viewer.requests).len()
+        };
+        assert_eq!([asked(None), asked(None)], [1, 0]);
+        // Files that are dropped meanwhile close no dialog.
+        assert_eq!([asked(Some(Event::Opening)), asked(Some(Event::Answered)), asked(None)], [0, 0, 1]);
+        assert!(viewer.requests.is_empty());
+    }
 
     #[test]
     fn errors_of_files_stay_until_others_are_opened() {

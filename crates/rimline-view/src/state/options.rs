@@ -27,8 +27,8 @@ pub struct Overlays {
     pub creases: bool,
     /// Edges of faces whose side some light leaves to exact arithmetic.
     pub exact: bool,
-    /// Edges between clusters: the faces that the library decides whole, where a model cannot deform. Models of the viewer may,
-    /// so its own scene has none. They are those of the pose that the overlay was switched on in.
+    /// Edges between clusters, groups of faces that the library decides at once in models that cannot deform. Models in the viewer
+    /// can, so these clusters are made for the overlay, from the pose in which it was switched on.
     pub clusters: bool,
     /// The farthest receiver of each tile of 8 × 8 pixels, in bands of its distance: shadows behind it are culled by receivers.
     pub receivers: bool,

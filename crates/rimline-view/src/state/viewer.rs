@@ -8,7 +8,7 @@ use rimline::gltf::SceneCamera;
 use rimline_files::ReadOptions;
 use rimline_picture::{Bounds, Mode};
 
-use super::body::Body;
+use super::body::{Body, short};
 use super::camera::{Camera, Orbit};
 use super::clock::Clock;
 use super::event::Event;
@@ -27,7 +27,7 @@ static LAST: AtomicU64 = AtomicU64::new(0);
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Request {
-    /// Ask for files, and open them.
+    /// Ask for files, and open them. The next such request comes after [`Event::Answered`].
     OpenFiles,
     /// Write a picture, so many times as large each way.
     Screenshot {
@@ -79,6 +79,7 @@ struct Opened {
 
 /// The state of the viewer.
 #[derive(Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "states that do not depend on each other")]
 pub struct Viewer {
     /// Models that are shown.
     pub bodies: Vec<Body>,
@@ -112,6 +113,8 @@ pub struct Viewer {
     generation: u64,
     pub(super) pointer: Vec2,
     pub(super) drag: Option<Drag>,
+    /// Whether a dialog for files is open.
+    pub(super) is_asking: bool,
     /// Whether models of the viewer's own are shown, which those of files replace.
     is_built_in: bool,
     /// Lights and camera as they were placed for the models: those that the user changed stay when a model is added, and
@@ -145,6 +148,7 @@ impl Viewer {
             generation: 0,
             pointer: Vec2::ZERO,
             drag: None,
+            is_asking: false,
             is_built_in: true,
             arranged: (Vec::new(), orbit),
             opened: None,
@@ -185,7 +189,8 @@ impl Viewer {
         let bounds = self.bounds();
         let cameras = self.bodies.iter().flat_map(Body::cameras).enumerate();
         let named = |(number, camera): (usize, &SceneCamera)| {
-            (camera.name.clone().unwrap_or_else(|| format!("camera {number}")), Orbit::of_file(camera, &bounds))
+            let name = camera.name.as_deref().map_or_else(|| format!("camera {number}"), short);
+            (name, Orbit::of_file(camera, &bounds))
         };
         cameras.map(named).collect()
     }
@@ -273,10 +278,10 @@ impl Viewer {
             Event::Acted(action) => self.act(action),
             Event::Flown(by, seconds) => self.orbit.shift(Vec3::from(by) * 0.7 * seconds * self.bounds().extent()),
             Event::Passed(seconds) => self.clock.advance(seconds, self.duration()),
+            Event::Answered => self.is_asking = false,
             Event::Opening => self.message = None,
             Event::Opened(Ok(body)) => self.add(*body),
             Event::Opened(Err((name, why))) => self.add_error(&format!("{name}: {why}")),
-            Event::Replaced(bodies) => self.replace(bodies),
             Event::Copied(how, line) => self.copied(how, line),
             Event::Message(text) => self.message = Some(Message::new(Tone::Note, text)),
         }
@@ -291,6 +296,7 @@ impl Viewer {
         }
     }
 
+    /// Shows models of the viewer's own. Those of files are kept.
     pub(super) fn replace(&mut self, bodies: Vec<Body>) {
         let bodies = std::mem::replace(&mut self.bodies, bodies);
         if !self.is_built_in && !bodies.is_empty() {
@@ -360,7 +366,8 @@ impl Viewer {
     /// Places camera and lights for new models.
     fn arrange(&mut self) {
         let bounds = self.bounds();
-        self.lamps = self.bodies.first().map_or_else(Vec::new, |body| lamps_of(body, &bounds));
+        self.lamps = self.bodies.first().map_or_else(Vec::new, |body| Lamp::all_of_file(&body.lights(), &bounds));
+        self.lamps.truncate(MAX_LAMPS);
         if self.lamps.is_empty() {
             self.lamps = (0..3).map(|number| Lamp::around(&bounds, number)).collect();
         }
@@ -391,19 +398,4 @@ impl Viewer {
         self.orbit = Orbit::showing(&bounds, &handles, width / height);
         self.arranged.1 = self.orbit;
     }
-}
-
-/// The lights of a file, as many as the viewer has; the brightest counts as 1.
-fn lamps_of(body: &Body, bounds: &Bounds) -> Vec<Lamp> {
-    let lights = body.lights();
-    let illuminance = |light: &rimline::gltf::SceneLight| {
-        if light.light.w == 0.0 {
-            return light.intensity;
-        }
-        let distance = (Vec3::from(light.light.xyz) - bounds.centre()).length().max(0.5 * bounds.extent());
-        light.intensity / (distance * distance)
-    };
-    let brightest = lights.iter().map(illuminance).fold(0.0, f32::max);
-    let lamp = |light| Lamp::of_file(light, if brightest > 0.0 { illuminance(light) / brightest } else { 1.0 });
-    lights.iter().take(MAX_LAMPS).map(lamp).collect()
 }

@@ -6,15 +6,15 @@ use std::rc::Rc;
 use web_sys::{DragEvent, EventTarget, HtmlCanvasElement, HtmlElement, HtmlInputElement};
 
 use super::page::{Page, listen, words};
-use super::{files, input};
+use super::{WATCH, files, input};
 use crate::panel::{Panel, PanelOutput};
 use crate::renderer::Renderer;
 use crate::scenes;
 use crate::state::event::Event;
 use crate::state::viewer::{Request, Viewer};
 
-/// Seconds between looks whether the device is lost.
-const WATCH: f64 = 1.0;
+/// Seconds after which files may be asked for again in any case. A dialog that is open hears the keys itself.
+const ASK_AGAIN: f64 = 5.0;
 
 struct App {
     page: Page,
@@ -81,13 +81,16 @@ fn listen_to_page(app: &Shared) -> Result<(), String> {
         event.prevent_default();
         open(&dropped, event.data_transfer().and_then(|data| data.files()).as_ref());
     });
-    let (chooser, chosen) = (page.element::<HtmlInputElement>("files")?, Rc::clone(app));
+    let chooser = page.element::<HtmlInputElement>("files")?;
+    let (chosen, cancelled) = (Rc::clone(app), Rc::clone(app));
+    listen(&chooser, "cancel", move |_: web_sys::Event| cancelled.borrow_mut().viewer.handle(Event::Answered));
     listen(&chooser.clone(), "change", move |_: web_sys::Event| {
+        chosen.borrow_mut().viewer.handle(Event::Answered);
         open(&chosen, chooser.files().as_ref());
         // The same file may be chosen again.
         chooser.set_value("");
     });
-    watch(Rc::clone(app));
+    watch_pixels(Rc::clone(app));
     // Keys go to the viewer at once.
     let _ = canvas.focus();
     page.tell("said", "Ready. F1 lists the keys.");
@@ -97,28 +100,24 @@ fn listen_to_page(app: &Shared) -> Result<(), String> {
 
 /// Opens files, or lets the viewer say why they cannot be opened.
 fn open(app: &Shared, list: Option<&web_sys::FileList>) {
+    let Some(list) = list else { return };
     app.borrow_mut().viewer.handle(Event::Opening);
     let app = Rc::clone(app);
-    let take = move |name: &str, file| {
+    files::read_each(list, move |name, file| {
         app.borrow_mut().viewer.open(name, name.to_owned(), file);
         ask_for_frame(&app);
-    };
-    list.into_iter().for_each(|list| files::read_each(list, take.clone()));
+    });
 }
 
-/// Says so when the device is lost, and paints anew when a screen with other pixels shows the page, of which no event tells.
-fn watch(app: Shared) {
+/// Paints anew when a screen with other pixels shows the page, of which no event tells.
+fn watch_pixels(app: Shared) {
     let page = app.borrow().page.clone();
-    page.clone().after(WATCH, move || {
-        if app.borrow().renderer.gpu().is_lost() {
-            page.stop("The browser took the GPU back: the device was lost. Models were never sent anywhere; load the page again.");
-        } else {
-            let (size, painted) = (app.borrow().pixels().0, [app.borrow().config.width, app.borrow().config.height]);
-            if size != painted {
-                ask_for_frame(&app);
-            }
-            watch(app);
+    page.after(WATCH, move || {
+        let (size, painted) = (app.borrow().pixels().0, [app.borrow().config.width, app.borrow().config.height]);
+        if size != painted {
+            ask_for_frame(&app);
         }
+        watch_pixels(app);
     });
 }
 
@@ -169,7 +168,7 @@ impl App {
         scale as f32
     }
 
-    /// Paints a frame. Returns the seconds after which to paint again, and the viewer's requests.
+    /// Paints a frame, unless the device is lost. Returns the seconds after which to paint again, and the viewer's requests.
     fn paint(&mut self) -> (Option<f64>, Vec<Request>) {
         if self.renderer.gpu().is_lost() {
             return (None, Vec::new());
@@ -237,6 +236,9 @@ fn fulfil(app: &Shared, request: Request) {
             if let Ok(chooser) = page.element::<HtmlInputElement>("files") {
                 chooser.click();
             }
+            // A browser that shows no dialog does not say so.
+            let asked = Rc::clone(app);
+            page.after(ASK_AGAIN, move || asked.borrow_mut().viewer.handle(Event::Answered));
         }
         Request::Copy(line) => wasm_bindgen_futures::spawn_local(async move {
             let how = if page.copy(&line).await { "copied" } else { "no clipboard; the line is here" };

@@ -8,8 +8,6 @@ mod files;
 mod input;
 mod page;
 
-use std::sync::Arc;
-
 use page::Page;
 
 use crate::renderer::Gpu;
@@ -32,7 +30,10 @@ pub fn start() {
     });
 }
 
-/// The browser's device, whose errors stop the page.
+/// Seconds between looks at what no event tells.
+const WATCH: f64 = 1.0;
+
+/// The browser's device, whose loss or errors stop the page.
 async fn open(
     page: &Page,
     instance: &wgpu::Instance,
@@ -46,9 +47,21 @@ async fn open(
     let adapter = instance.request_adapter(&options).await;
     let adapter = adapter.map_err(|error| format!("The browser gives no GPU to pages: {error}"))?;
     let gpu = Gpu::open(&adapter).await.map_err(|error| error.to_string())?;
-    let failed_page = page.clone();
-    gpu.device.on_uncaptured_error(Arc::new(move |error| failed_page.stop(&format!("The device refuses: {error}"))));
+    watch(page.clone(), gpu.clone());
     Ok((adapter, gpu))
+}
+
+/// Says so once the device is lost, or has refused something.
+fn watch(page: Page, gpu: Gpu) {
+    page.clone().after(WATCH, move || {
+        if gpu.is_lost() {
+            page.stop("The browser took the GPU back: the device was lost. Models were never sent anywhere; load the page again.");
+        } else if let Err(error) = gpu.check() {
+            page.stop(&format!("The viewer stopped: {error}"));
+        } else {
+            watch(page, gpu);
+        }
+    });
 }
 
 fn instance() -> wgpu::Instance {

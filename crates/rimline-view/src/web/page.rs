@@ -49,11 +49,14 @@ impl Page {
         self.show("fallback");
     }
 
-    /// Says why the viewer cannot go on, and offers to load the page again.
+    /// Says why the viewer cannot go on, and offers to load the page again. The first reason stays: others follow from it.
     pub(super) fn stop(&self, reason: &str) {
         web_sys::console::error_1(&reason.into());
-        self.tell("reason", reason);
-        self.show("stopped");
+        let said = self.element::<Element>("reason").ok().and_then(|element| element.text_content());
+        if said.is_none_or(|said| said.is_empty()) {
+            self.tell("reason", reason);
+            self.show("stopped");
+        }
     }
 
     /// Seconds since the page was loaded.

@@ -66,6 +66,22 @@ fn follow(viewer: &mut Viewer, browser: &mut Browser) -> Result<(), String> {
     Ok(())
 }
 
+/// Asks for files twice, and again once the dialog is closed.
+fn ask(browser: &mut Browser) -> Result<(), String> {
+    // A dialog of the system would stay open.
+    let count = "files = document.getElementById('files'); asked = 0; \
+                 files.addEventListener('click', (event) => { event.preventDefault(); asked += 1 })";
+    for (script, expected) in [(count, 1), ("files.dispatchEvent(new Event('cancel'))", 2)] {
+        browser.evaluate(&format!("{{ {script}; }} 0"))?;
+        browser.press("o")?;
+        browser.press("o")?;
+        let asked = browser
+            .evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(asked))))")?;
+        expect(asked == expected, format!("{asked} dialogs are opened, not {expected}"))?;
+    }
+    Ok(())
+}
+
 fn session() -> Result<(), String> {
     let mut browser = Browser::open("")?;
     let write = |name: &str, content: &[u8]| {
@@ -127,6 +143,7 @@ fn session() -> Result<(), String> {
     expect(message == Some(said.as_str()), format!("`{said}` instead of {message:?}"))?;
     browser.drop_files(&[&buffer, &gltf])?;
     browser.wait_for("said", |said| said == "pair.gltf: 2 faces")?;
+    ask(&mut browser)?;
     browser.press("g")?;
     let without = screenshot(&mut browser, 4)?;
     expect(different(&after, &without)? > 0.02, "after a bad file, switching the ground off changes nothing")?;

@@ -11,9 +11,9 @@ use rimline_view::{
     Action, Event, Handle, LampKind, Message, Panel, PanelOutput, Renderer, Request, Tone, Viewer, scenes,
 };
 
-use crate::support::{Outcome, handle, hold, say, viewer};
+use crate::support::{Outcome, handle, hold, say, viewer, window};
 
-pub(crate) const TESTS: [Test; 11] = [
+pub(crate) const TESTS: [Test; 12] = [
     ("a still panel asks for no repaint", a_still_panel_asks_for_no_repaint),
     ("the pointer drags a light on the picture", the_pointer_drags_a_light),
     ("what the pointer does within one frame has its order", a_frame_of_many_events),
@@ -23,6 +23,7 @@ pub(crate) const TESTS: [Test; 11] = [
     ("Escape closes a menu and not the window", escape_in_a_menu),
     ("a light that is removed is let go, and none may be left", no_lights),
     ("the picture shows everything in every shape until the user moves the camera", other_shapes),
+    ("a window of a pixel has a picture of a pixel", tiny),
     ("boxes are drawn around models, over the picture", boxes),
     ("a picture drawn in a hurry is drawn again when nothing moves", refined),
 ];
@@ -50,19 +51,8 @@ impl Stage {
     pub(crate) fn of_size(scene: scenes::Make, size: [u32; 2]) -> Result<Self, String> {
         let (mut viewer, renderer) = viewer(scene, size)?;
         viewer.options.samples = 1;
-        let format = wgpu::TextureFormat::Rgba8Unorm;
-        let target = renderer.gpu().device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("window"),
-            size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
-        let target = target.create_view(&wgpu::TextureViewDescriptor::default());
-        let panel = Panel::new(renderer.gpu(), format);
+        let target = window(renderer.gpu(), size);
+        let panel = Panel::new(renderer.gpu(), target.texture().format());
         // A letter is drawn once, and not for each fourth of a pixel that it may begin at.
         panel.context().all_styles_mut(|style| style.visuals.text_options.subpixel_binning = false);
         Ok(Self { size, viewer, renderer, panel, target, time: 0.0, scale: 1.0 })
@@ -344,6 +334,18 @@ fn other_shapes() -> Outcome {
     stage.settle()?;
     hold(stage.viewer.size() != SIZE && is_all_seen(&stage.viewer), "the panel covers a part of what is to be seen")?;
     moving(&mut stage)
+}
+
+/// The panel and the time line take all of a window that is too small for them.
+fn tiny() -> Outcome {
+    for size in [[1, 1], [1, 400], [400, 1]] {
+        let mut stage = Stage::of_size(scenes::walking_figure, size)?;
+        stage.settle()?;
+        let of = stage.viewer.size();
+        hold(of.into_iter().zip(size).all(|(side, most)| (1..=most).contains(&side)), format!("{of:?} of {size:?}"))?;
+        hold(stage.viewer.message.is_none() && stage.viewer.orbit.distance.is_finite(), format!("{size:?}"))?;
+    }
+    Ok(())
 }
 
 /// While it moves, a large picture has half the rows and columns, and fills the same part of the window.

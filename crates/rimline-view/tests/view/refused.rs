@@ -4,12 +4,13 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rimline_testkit::harness::Test;
-use rimline_view::{Action, Body, BodyError, Event, Gpu, Overlays, Renderer, Source, Viewer, scenes};
+use rimline_view::{Action, Body, BodyError, Event, Gpu, Overlays, Panel, Renderer, Source, Viewer, scenes};
 
-use crate::support::{Outcome, block, finish, gpu, hold, picture, rest, say, viewer};
+use crate::support::{Outcome, block, finish, gpu, hold, picture, rest, say, viewer, window};
 
-pub(crate) const TESTS: [Test; 3] = [
+pub(crate) const TESTS: [Test; 4] = [
     ("overlays that are refused are switched off, and the model and the picture stay", refused_overlays),
+    ("an error of the device that nobody expects is told, and no panic", unexpected),
     ("a device that is lost changes nothing of the viewer", lost_device),
     ("a renderer takes viewers in turn", viewers_in_turn),
 ];
@@ -50,20 +51,60 @@ fn refused_overlays() -> Outcome {
     hold(finish(&renderer, last)? == before, "a picture that fails takes the place of the last one")
 }
 
-fn lost_device() -> Outcome {
+/// A device of the test's own.
+fn opened() -> Result<Gpu, String> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle().with_env());
     let options = wgpu::RequestAdapterOptions::default();
     let adapter = pollster::block_on(instance.request_adapter(&options)).map_err(say)?;
-    let mut renderer = Renderer::new(pollster::block_on(Gpu::open(&adapter)).map_err(say)?).map_err(say)?;
+    pollster::block_on(Gpu::open(&adapter)).map_err(say)
+}
+
+fn unexpected() -> Outcome {
+    let gpu = opened()?;
+    gpu.check().map_err(say)?;
+    let (usage, mapped_at_creation) = (wgpu::BufferUsages::empty(), false);
+    for label in ["useless", "second"] {
+        let label = Some(label);
+        let _ = gpu.device.create_buffer(&wgpu::BufferDescriptor { label, size: 4, usage, mapped_at_creation });
+    }
+    let said = gpu.check().err().map(|error| error.to_string()).unwrap_or_default();
+    let is_first = said.contains(&gpu.name) && said.contains("useless") && !said.contains("second");
+    hold(is_first && said.lines().count() == 1, said)?;
+    // The window takes another device then.
+    gpu.device.destroy();
+    gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(say)?;
+    hold(gpu.is_lost() && gpu.check().is_ok(), "a lost device refuses something")
+}
+
+fn lost_device() -> Outcome {
+    [false, true].into_iter().try_for_each(lost_before_a_frame)
+}
+
+/// Loses a device before or after the first picture.
+fn lost_before_a_frame(has_picture: bool) -> Outcome {
+    let (gpu, size) = (opened()?, [120, 80]);
+    let target = window(&gpu, size);
+    let mut panel = Panel::new(&gpu, target.texture().format());
+    let mut renderer = Renderer::new(gpu.clone()).map_err(say)?;
     let mut viewer = Viewer::new(scenes::moebius().map_err(say)?);
-    viewer.handle(Event::Acted(Action::Silhouettes));
-    renderer.gpu().device.destroy();
-    renderer.gpu().device.poll(wgpu::PollType::wait_indefinitely()).map_err(say)?;
-    hold(renderer.gpu().is_lost(), "the device is not lost")?;
-    let overlays = viewer.options.overlays;
-    hold(!renderer.show(&mut viewer), "a lost device drew a picture")?;
-    let is_same = viewer.bodies.len() == 1 && viewer.options.overlays == overlays && viewer.message.is_none();
-    hold(is_same, format!("{viewer:?}"))
+    viewer.handle(Event::Resized(size));
+    if has_picture {
+        hold(renderer.show(&mut viewer), format!("{:?}", viewer.message))?;
+    }
+    gpu.device.destroy();
+    gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(say)?;
+    hold(gpu.is_lost(), "the device is not lost")?;
+    let screen_rect = Some(egui::Rect::from_min_size(egui::Pos2::ZERO, size.map(|side| side as f32).into()));
+    for action in [Action::TurnLeft, Action::Silhouettes] {
+        viewer.handle(Event::Acted(action));
+        let overlays = viewer.options.overlays;
+        let output = panel.run(egui::RawInput { screen_rect, ..Default::default() }, &mut viewer, &mut renderer);
+        panel.paint(&gpu, &target, size, &output);
+        hold(renderer.pictures() == u64::from(has_picture), "a lost device drew a picture")?;
+        let is_same = viewer.bodies.len() == 1 && viewer.options.overlays == overlays && viewer.message.is_none();
+        hold(is_same, format!("{viewer:?}"))?;
+    }
+    Ok(())
 }
 
 fn viewers_in_turn() -> Outcome {

@@ -19,6 +19,21 @@ pub(crate) fn gpu() -> Result<Gpu, String> {
     Ok((*shared.kept("viewer", make)?).clone())
 }
 
+/// A target that stands for a window of this size.
+pub(crate) fn window(gpu: &Gpu, [width, height]: [u32; 2]) -> wgpu::TextureView {
+    let target = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("window"),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba8Unorm,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    });
+    target.create_view(&wgpu::TextureViewDescriptor::default())
+}
+
 /// A tetrahedron.
 pub(crate) fn block() -> Result<rimline::Model, String> {
     let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
