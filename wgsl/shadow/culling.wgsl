@@ -66,19 +66,23 @@ fn pyramid_planes(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> 
   );
 }
 
+// A light's position in the space of the caster's positions is off by less than this times its largest coordinate.
+// docs/numerics/shadow-volumes.md, "Rigid casters".
+const LIGHT_ERROR: f32 = 0x1.8p-21;
+
 // Whether the whole box is out of the light's range. `scale` is at most the smallest factor by which the caster's matrix
-// scales lengths.
+// scales lengths. Here lengths are multiplied by w, which is 0 or a power of two, so products with it do not round.
 fn is_out_of_range(light: ShadowLight, scale: f32, low: vec3<f32>, high: vec3<f32>) -> bool {
-  if (light.range <= 0.0 || light.light.w <= 0.0) {
-    return false;
-  }
-  let light_position = light.light.xyz / light.light.w;
-  let d = scale * max(max(low - light_position, light_position - high), vec3<f32>(0.0));
+  let position = light.light.xyz;
+  let w = light.light.w;
+  let range = w * light.range;
+  let reach = range + scale * (LIGHT_ERROR * largest_component(position));
+  let d = scale * max(max(w * low - position, position - w * high), vec3<f32>(0.0));
   // The largest component is factored out, because squares may overflow.
-  let size = max(max(d.x, d.y), max(d.z, light.range));
-  let r = light.range / size;
+  let size = max(max(d.x, d.y), max(d.z, reach));
+  let r = reach / size;
   let e = d / size;
-  return is_finite(d) && dot_3(e, e) > r * r * (1.0 + SLACK);
+  return range > 0.0 && is_finite(d) && dot_3(e, e) > r * r * (1.0 + SLACK);
 }
 
 // The terms of `extrusion`.

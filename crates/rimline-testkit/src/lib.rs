@@ -28,6 +28,7 @@ pub mod polygons;
 pub mod poser;
 pub mod predicates;
 pub mod probe;
+pub mod range_cases;
 pub mod refusals;
 pub mod scenes;
 pub mod shadow_cases;

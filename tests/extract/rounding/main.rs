@@ -3,6 +3,7 @@
 
 mod boxes;
 mod clusters;
+mod ranges;
 mod rounding_models;
 
 use rimline::Light;

@@ -73,10 +73,9 @@ impl RoundingModels {
         if value.is_subnormal() && self.takes(self.flushing) { 0.0 } else { value }
     }
 
-    /// One of the two neighbours of an exact value, on whose growth the result depends with the sign of `effect`.
-    fn round(&mut self, exact: f64, effect: f64) -> f32 {
-        let [below, above] = neighbours(exact);
-        let is_up = match self.rounding {
+    /// Whether the upper neighbour of an exact value is taken, on whose growth the result depends with the sign of `effect`.
+    fn rounds_up(&mut self, exact: f64, above: f32, effect: f64) -> bool {
+        match self.rounding {
             Rounding::Up => true,
             Rounding::Down => false,
             Rounding::TowardsZero => exact < 0.0,
@@ -84,9 +83,26 @@ impl RoundingModels {
             Rounding::ByChance => self.takes(Taken::ByChance),
             Rounding::Larger => effect > 0.0,
             Rounding::Smaller => effect < 0.0,
-        };
-        let rounded = if is_up { above } else { below };
+        }
+    }
+
+    fn round(&mut self, exact: f64, effect: f64) -> f32 {
+        let [below, above] = neighbours(exact);
+        let rounded = if self.rounds_up(exact, above, effect) { above } else { below };
         self.flush(rounded)
+    }
+
+    /// x / y, of numbers that are not negative. It may be off by 2.5 units in the last place, so a step more than rounding
+    /// takes is allowed.
+    pub(crate) fn quotient(&mut self, x: f32, y: f32, effect: f64) -> f32 {
+        let (x, y) = (self.flush(x), self.flush(y));
+        if x == 0.0 {
+            return 0.0;
+        }
+        let exact = f64::from(x) / f64::from(y);
+        let [below, above] = neighbours(exact);
+        let is_up = self.rounds_up(exact, above, effect);
+        self.flush(if is_up { above.next_up() } else { below.next_down() })
     }
 
     pub(crate) fn sum(&mut self, x: f32, y: f32, effect: f64) -> f32 {

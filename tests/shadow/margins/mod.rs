@@ -4,10 +4,11 @@
 mod boxes;
 mod counts;
 mod near_plane;
+mod ranges;
 pub(crate) mod view;
 
 use rimline_testkit::harness::Test;
 
 pub(crate) fn tests() -> Vec<Test> {
-    [boxes::TESTS, counts::TESTS, near_plane::TESTS].concat()
+    [boxes::TESTS, counts::TESTS, near_plane::TESTS, ranges::TESTS].concat()
 }
