@@ -70,9 +70,7 @@ impl Extractor {
         let ranges = DispatchRanges::new(&shape, [&faces, &edges], &mut chunks);
         let buffers = Buffers::new(device, mesh, &shape, &options, &split, &chunks)?;
 
-        let twisted_offset = if shape.polygons.is_some() { shape.faces } else { 0 };
-        let (reading, others) =
-            (shape.reading(device, &options, 0), from_facing(&options, twisted_offset, facing.words));
+        let (reading, others) = (shape.reading(device, &options, 0), from_facing(&options, facing.words));
         pipelines.make_together(&programs([&reading, &others], arguments(&options)));
         // If the device refuses one, the error is that of this constructor.
         for planned in &reading {
