@@ -66,11 +66,6 @@ impl Shared {
         self.pipelines.device()
     }
 
-    /// The buffers are overwritten from here on, so earlier extractions are out of date.
-    pub(crate) fn begin_encode(&self) -> u64 {
-        self.encodes.fetch_add(1, Ordering::Relaxed) + 1
-    }
-
     pub(crate) fn results(&self) -> ExtractionResults<'_> {
         let Buffers { edge_vertices, edge_faces, facing, masks, lists, counts, draw_arguments, statistics, .. } =
             &self.buffers;

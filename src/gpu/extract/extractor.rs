@@ -1,6 +1,6 @@
 //! The extraction stages: facing, edges, compaction, draw arguments.
 
-use std::sync::atomic::AtomicU64;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 
 use super::buffers::{Buffers, RECORD_HEAD, Shape};
@@ -146,7 +146,8 @@ impl Extractor {
         let of_batches = from_positions.zip(&self.from_facing).take(light::batches(lights.len()));
         let of_batches = of_batches.flat_map(|(first, then)| first.iter().chain(then));
         record(self.before.iter().chain(of_batches).chain(&self.at_last), encoder, 0..1, timer);
-        let encode = self.shared.begin_encode();
+        // The buffers are overwritten from here on, so earlier extractions are out of date.
+        let encode = self.shared.encodes.fetch_add(1, Ordering::Relaxed) + 1;
         Ok(Extraction::new(Arc::clone(&self.shared), slice, lights, encode))
     }
 

@@ -89,7 +89,7 @@ pub(super) fn from_positions(
         return stages.into_iter().chain(cut.into_iter().filter(|_| pieces)).map(stage).collect();
     }
     let predicate = options.method.predicate(options.predicate);
-    let plane = ("PLANE", switch(predicate.is_plane()));
+    let plane = ("PLANE", switch(predicate == Predicate::Plane));
     if options.method.is_per_edge() {
         let [masks, append] = emit_constants(options);
         let program = Program::of(&PER_EDGE, &[windows, plane, masks, append]);

@@ -270,7 +270,7 @@ pub(crate) fn check(device: &wgpu::Device, format: &ShadowFormat, is_fail: bool)
 
 /// Refuses counts of bits that are too few or too many.
 pub(crate) fn check_count_bits(given: u32, casters: Casters) -> Result<(), ShadowError> {
-    let least = casters.least_bits();
+    let least = if casters == Casters::Batches { 2 } else { 1 };
     if (least..=8).contains(&given) { Ok(()) } else { Err(ShadowError::CountBits { given, least }) }
 }
 

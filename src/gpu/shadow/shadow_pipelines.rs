@@ -96,7 +96,8 @@ fn resolve(pipelines: &Pipelines, format: &ShadowFormat) -> Resolve {
         pass_op: wgpu::StencilOperation::Replace,
         ..wgpu::StencilFaceState::IGNORE
     };
-    let stencil = wgpu::StencilState { front: face, back: face, read_mask: counts, write_mask: format.count_mask() };
+    let write_mask = Casters::Scene.largest_count(format.count_bits);
+    let stencil = wgpu::StencilState { front: face, back: face, read_mask: counts, write_mask };
     let compare = wgpu::CompareFunction::Always;
     let pipeline = pipelines.draws(&Drawn {
         label: "resolve counts",
