@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::error::{MAX_FACES, MeshError};
+use super::error::{MeshError, check_counts};
 use super::polygons::{PolygonLoops, Polygons, Welded};
 use super::topology::{EdgeCounts, EdgeRecords, is_degenerate};
 use super::weld::{self, Weld, WeldCounts};
@@ -190,20 +190,12 @@ impl Mesh {
 
     /// The size of the edge records in memory, in bytes: 16 for each record.
     pub fn edge_record_bytes(&self) -> usize {
-        self.edges.bytes()
+        size_of_val(self.edges.vertices()) + size_of_val(self.edges.packed_faces())
     }
 }
 
 fn check(vertex_count: usize, faces: &[[u32; 3]]) -> Result<(), MeshError> {
-    if faces.is_empty() {
-        return Err(MeshError::NoFaces);
-    }
-    if faces.len() > MAX_FACES {
-        return Err(MeshError::TooManyFaces { faces: faces.len() });
-    }
-    if vertex_count >= u32::MAX as usize {
-        return Err(MeshError::TooManyVertices { vertices: vertex_count });
-    }
+    check_counts(vertex_count, faces.len())?;
     match out_of_range(faces, vertex_count) {
         Some([face, corner]) => {
             let index = faces[face][corner];

@@ -126,6 +126,12 @@ impl Pose {
         Ok(Self { instances, ..*self })
     }
 
+    /// Checks that there are as many instances as a model has.
+    pub(crate) fn check_instances(&self, needed: usize) -> Result<(), ModelError> {
+        let given = self.instances.len();
+        if given == needed { Ok(()) } else { Err(ModelError::PoseInstances { given, needed }) }
+    }
+
     /// One pose for each of [`Model::instances`](super::Model::instances).
     pub fn instances(&self) -> &[InstancePose] {
         &self.instances

@@ -349,10 +349,7 @@ impl Deformer {
     pub(crate) fn pose_words(&self, pose: &Pose) -> Result<Vec<u32>, DeformError> {
         let mut words = vec![0; self.data.chunks.len() * size_of::<DeformChunk>() / 4];
         let mut target_counts = Vec::with_capacity(self.data.layouts.len());
-        if pose.instances().len() != self.data.layouts.len() {
-            let (given, needed) = (pose.instances().len(), self.data.layouts.len());
-            return Err(ModelError::PoseInstances { given, needed }.into());
-        }
+        pose.check_instances(self.data.layouts.len())?;
         for (instance, (layout, pose)) in self.data.layouts.iter().zip(pose.instances()).enumerate() {
             pose.check_counts(instance, layout.joints as usize, layout.target_count as usize)?;
             words.resize(layout.palette as usize, 0);
