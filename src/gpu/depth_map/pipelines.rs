@@ -21,7 +21,7 @@ use crate::stages::{DEPTH_SURFACE, DEPTH_WALLS, Stage};
 /// The pipelines that draw volumes from depth maps, for one [`ShadowFormat`] and one or several bits of the stencil.
 #[derive(Debug)]
 pub struct DepthMapPipelines {
-    shared: Pipelines,
+    pub(super) shared: Pipelines,
     format: ShadowFormat,
     bits: Range<u32>,
     /// One for each bit.
@@ -147,10 +147,6 @@ impl DepthMapPipelines {
         });
         let made = made.map_err(|message| DeviceError::Refused { message })?;
         Ok(self.walls.get_or_init(|| made))
-    }
-
-    pub(super) fn shared(&self) -> &Pipelines {
-        &self.shared
     }
 
     /// The bits of the stencil that the pipelines draw into.

@@ -171,7 +171,7 @@ impl Convention {
 /// The render pipelines of one counting method for one [`ShadowFormat`](crate::gpu::ShadowFormat).
 #[derive(Debug)]
 pub(crate) struct VolumePipelines {
-    shared: Pipelines,
+    pub(crate) shared: Pipelines,
     pub(crate) convention: Convention,
     /// The draws of each [`Part`], in order. All but the first are made for the first casters that have them.
     parts: [OnceLock<Vec<PartDraw>>; 4],
@@ -224,11 +224,6 @@ impl VolumePipelines {
             };
             keys.iter().map(draw).collect()
         })
-    }
-
-    /// The shared pipelines that these belong to.
-    pub(crate) fn shared(&self) -> &Pipelines {
-        &self.shared
     }
 }
 

@@ -22,12 +22,12 @@ const WHOLE: &str = "
 pub struct ShadowPipelines {
     pub(crate) volumes: VolumePipelines,
     /// `None`: casters are counted in one batch.
-    resolve: Option<Resolve>,
+    pub(crate) resolve: Option<Resolve>,
 }
 
 /// The pipeline that is drawn between two batches of casters: it turns the counts of the first into the dark bit.
 #[derive(Debug)]
-struct Resolve {
+pub(crate) struct Resolve {
     pipeline: wgpu::RenderPipeline,
     /// The dark bit of the stencil, the highest of the bits of counts. It is set where earlier batches cast a shadow.
     dark_bit: u32,
@@ -70,10 +70,6 @@ impl ShadowPipelines {
     /// The counting method of these pipelines.
     pub fn counting(&self) -> Counting {
         self.volumes.convention.counting
-    }
-
-    pub(crate) fn is_in_batches(&self) -> bool {
-        self.resolve.is_some()
     }
 
     /// Where a count is not 0, sets the dark bit, and the count to 0. Sets the stencil reference of the pass to 0.
