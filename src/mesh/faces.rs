@@ -20,7 +20,7 @@ use super::weld::{self, Weld, WeldCounts};
 /// face). The most is 48 bytes (no two faces share an edge).
 #[derive(Clone, Debug)]
 pub struct Mesh {
-    id: MeshId,
+    pub(crate) id: MeshId,
     vertex_count: u32,
     /// The faces, or the triangles of the polygons.
     faces: Vec<[u32; 3]>,
@@ -130,12 +130,6 @@ impl Mesh {
     fn build(vertex_count: usize, faces: Vec<[u32; 3]>, weld: WeldCounts) -> Self {
         let edges = EdgeRecords::build(vertex_count, &*faces);
         Self { id: MeshId::next(), vertex_count: vertex_count as u32, faces, polygons: None, edges, weld }
-    }
-
-    /// The identity of this mesh.
-    #[cfg(feature = "gpu")]
-    pub(crate) fn id(&self) -> MeshId {
-        self.id
     }
 
     /// The number of source vertices, including those that were welded to others. A position buffer must hold this number of

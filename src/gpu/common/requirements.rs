@@ -151,7 +151,7 @@ pub(crate) fn check_alive(device: &wgpu::Device) -> Result<(), DeviceError> {
 
 /// Refuses a timer of another device.
 pub(crate) fn check_timer(timer: Option<&StageTimer>, device: &wgpu::Device) -> Result<(), DeviceError> {
-    timer.map_or(Ok(()), |timer| check_same(["the timer", "the stages"], [timer.device(), device]))
+    timer.map_or(Ok(()), |timer| check_same(["the timer", "the stages"], [&timer.device, device]))
 }
 
 /// Refuses objects of two devices.

@@ -31,7 +31,7 @@ pub struct StageTimes {
 pub struct StageTimer {
     set: wgpu::QuerySet,
     resolved: wgpu::Buffer,
-    device: wgpu::Device,
+    pub(crate) device: wgpu::Device,
     period_ns: f32,
     names: Vec<&'static str>,
     /// On software devices.
@@ -122,11 +122,6 @@ impl StageTimer {
             }
         }
         stages
-    }
-
-    /// The device that it times.
-    pub(crate) fn device(&self) -> &wgpu::Device {
-        &self.device
     }
 
     /// The times of the stages. Call it after the encoder was submitted. It waits for the device. The timer has times of the

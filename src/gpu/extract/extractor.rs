@@ -93,7 +93,7 @@ impl Extractor {
             shape,
             buffers,
             facing,
-            mesh: mesh.id(),
+            mesh: mesh.id,
             has_masks: options.masks,
             vertices_per_edge: options.lists.map_or(0, |lists| lists.topology.vertices()),
             encodes: AtomicU64::new(0),

@@ -52,11 +52,6 @@ impl PolygonMesh {
         PolygonBuffers { boundaries, undecided, head, arguments, pieces: vec![pieces] }
     }
 
-    /// The number of polygons.
-    pub(crate) fn len(&self) -> usize {
-        self.counts.polygons
-    }
-
     /// Bytes on the device.
     pub(crate) fn bytes(&self) -> u64 {
         self.boundaries.size()
