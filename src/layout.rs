@@ -107,7 +107,7 @@ shared_structs! {
 
     /// The range of faces or edges of one dispatch.
     struct Chunk {
-        first, count, first_light, capacity, blocks: u32;
+        first, count, first_light, capacity, blocks, twisted_offset: u32;
     }
 
     /// The sizes for turning counts of edges into draws.

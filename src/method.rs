@@ -45,10 +45,3 @@ pub enum Predicate {
     #[doc(hidden)]
     Plane,
 }
-
-#[cfg(feature = "gpu")]
-impl Predicate {
-    pub(crate) const fn is_plane(self) -> bool {
-        !matches!(self, Self::Exact | Self::Fast)
-    }
-}

@@ -1,4 +1,4 @@
-//! Bounds on the size of a displacement. They are WGSL's own limits where it has them (section "Limits").
+//! The bounds of [`DisplaceError::TooLarge`]. They are WGSL's own limits where it has them (section "Limits").
 
 use naga::proc::TypeResolution;
 use naga::valid::ModuleInfo;
@@ -12,9 +12,7 @@ pub const MAX_SOURCE_BYTES: usize = 1 << 16;
 pub const MAX_NESTING: u64 = 255;
 /// The largest number of declarations outside functions.
 pub(crate) const MAX_DECLARATIONS: u64 = 1023;
-/// The largest number of elements of an array with a fixed length. The length is a number, or an expression of sums and
-/// products of numbers and constants. The check multiplies all numbers of the expression, each increased by one, and
-/// compares the product with this bound. An array of runtime size has no bound.
+/// The largest number of elements of an array with a fixed length.
 pub(crate) const MAX_ARRAY_ELEMENTS: u64 = 1 << 16;
 /// The largest size of all private variables, in bytes.
 pub const MAX_PRIVATE_BYTES: u64 = 8192;
@@ -23,8 +21,7 @@ pub const MAX_PRIVATE_BYTES: u64 = 8192;
 pub const MAX_FUNCTION_BYTES: u64 = 8192;
 /// The largest size of all workgroup variables, in bytes.
 pub(crate) const MAX_WORKGROUP_BYTES: u64 = 16384;
-/// The largest number of statements and expressions after every call is replaced by the function that it calls. Drivers
-/// replace calls so.
+/// The largest number of statements and expressions with calls replaced by what they call, which drivers do.
 pub(crate) const MAX_OPERATIONS: u64 = 1 << 16;
 
 pub(super) fn too_large(line: u32, what: &'static str, needed: u64, limit: u64) -> DisplaceError {

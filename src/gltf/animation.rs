@@ -70,7 +70,7 @@ fn channel(
         return Ok(None);
     }
     // Charges the channel, in a list that doubles, and a key's values while it is read and when it is sampled.
-    reader.charge(1, 3 * size_of::<Channel>() as u64 + 64 * width as u64, &|| json_path.clone())?;
+    reader.budget.charge(1, 3 * size_of::<Channel>() as u64 + 64 * width as u64, &|| json_path.clone())?;
     let &Sampler { input, output, interpolation } = sampler;
     let json_path = format!("animations[{animation}].samplers[{}]", target.sampler);
     let times = reader.floats(input, reader::TIMES, &format!("{json_path}.input"))?;

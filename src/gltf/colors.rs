@@ -39,7 +39,7 @@ pub(super) fn of_vertices(
     let Some(accessor) = *checked(&primitive.color)? else { return Ok(None) };
     let json_path = format!("{json_path}.attributes.COLOR_0");
     reader.check_count(accessor, vertices, &json_path)?;
-    reader.charge(vertices as u64, 12, &|| json_path.clone())?;
+    reader.budget.charge(vertices as u64, 12, &|| json_path.clone())?;
     Ok(Some(if reader.accessor(accessor)?.kind == VEC4 {
         let colors = reader.vectors::<4>(accessor, reader::COLORS_WITH_ALPHA, &json_path)?;
         colors.iter().map(|&[red, green, blue, _]| [red, green, blue].map(clamped)).collect()

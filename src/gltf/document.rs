@@ -1,7 +1,5 @@
-//! The parts of a glTF document that shape, transform and move triangles, as plain structs with checked indices.
-//!
-//! The types of the `gltf` crate are not used. They refuse legal files (a scene without nodes, an animation channel without
-//! a target node), and their errors name a line where a user needs a mesh.
+//! The parts of a glTF document that shape, transform and move triangles, as plain structs with checked indices. Types of
+//! the `gltf` crate refuse legal files, for example a scene without nodes, and their errors name a line and no mesh.
 
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 

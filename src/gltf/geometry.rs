@@ -126,7 +126,7 @@ impl<'a> Merging<'a, '_> {
 /// Makes room for so many elements in a list.
 fn reserve<T>(reader: &Reader<'_>, list: &mut Vec<T>, length: usize, json_path: &str) -> Result<(), GltfError> {
     let more = length - list.len();
-    reader.charge(grown(list, more), 1, &|| json_path.to_owned())?;
+    reader.budget.charge(grown(list, more), 1, &|| json_path.to_owned())?;
     list.reserve(more);
     Ok(())
 }
@@ -211,9 +211,9 @@ impl Draft {
         if self.is_skinned {
             bytes += grown(&self.ends, count) + grown(&self.joints, joints) + grown(&self.weights, joints);
         }
-        reader.charge(bytes, 1, &|| json_path.to_owned())?;
+        reader.budget.charge(bytes, 1, &|| json_path.to_owned())?;
         // The number of each vertex in the file, once the mesh is complete.
-        reader.charge(count as u64, 4, &|| json_path.to_owned())?;
+        reader.budget.charge(count as u64, 4, &|| json_path.to_owned())?;
         self.positions.extend_from_slice(positions);
         for (target, offsets) in self.morph_targets.iter_mut().zip(targets) {
             target.extend_from_slice(offsets);

@@ -96,7 +96,7 @@ pub(super) fn charge_lights_and_cameras(reader: &Reader<'_>, graph: &Graph) -> R
     // In a list that doubles.
     let charge = |n: usize, size: usize, name: Option<&String>, what: &str| {
         let bytes = 3 * size + name.or(document.nodes[n].name.as_ref()).map_or(0, String::len);
-        reader.charge(1, bytes as u64, &|| format!("nodes[{n}] (its {what})"))
+        reader.budget.charge(1, bytes as u64, &|| format!("nodes[{n}] (its {what})"))
     };
     for &n in &graph.scene {
         if let Some(Ok(light)) = document.nodes[n].light {
@@ -167,7 +167,7 @@ fn instanced(reader: &Reader<'_>, n: usize, accessors: [Option<usize>; 3]) -> Re
     if let Some(first) = rotations.iter().flatten().position(is_zero) {
         reader.warnings.push(GltfWarning::no_rotation(format!("{}, instance {first}", json_paths[1])))?;
     }
-    reader.charge(count as u64, 3 * size_of::<Frame>() as u64, &|| json_path.clone())?;
+    reader.budget.charge(count as u64, 3 * size_of::<Frame>() as u64, &|| json_path.clone())?;
     let vector = |vectors: &Option<Vec<[f32; 3]>>, i: usize| {
         vectors.as_ref().map(|vectors| DVec3::from_array(vectors[i].map(f64::from)))
     };

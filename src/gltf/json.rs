@@ -12,7 +12,7 @@ use super::warning::Warnings;
 #[derive(Clone, Debug)]
 pub(super) struct Json<'a> {
     object: &'a Map<String, Value>,
-    path: String,
+    pub(super) path: String,
 }
 
 /// A list of the document that indices point into.
@@ -81,10 +81,6 @@ impl<'a> Json<'a> {
     /// The file as a whole. Its path is empty.
     pub(super) fn root(value: &'a Value) -> Result<Self, GltfError> {
         Ok(Self { path: String::new(), ..Self::read(value, &|| "the file".to_owned())? })
-    }
-
-    pub(super) fn path(&self) -> &str {
-        &self.path
     }
 
     /// The path of one of its properties.

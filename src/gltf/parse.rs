@@ -200,7 +200,7 @@ impl Parser<'_> {
         let available = buffers[view.buffer].as_ref().map_or(u64::MAX, |buffer| buffer.bytes);
         let needed = view.offset.saturating_add(view.bytes);
         if needed > available {
-            let json_path = format!("{} (byteOffset and byteLength)", json.path());
+            let json_path = format!("{} (byteOffset and byteLength)", json.path);
             return Err(GltfError::too_short(json_path, needed, available));
         }
         Ok(view)
@@ -238,7 +238,7 @@ impl Parser<'_> {
         let primitives: Vec<_> = primitives.iter().map(|json| self.primitive(json)).collect::<Result<_, _>>()?;
         let targets = primitives.first().map_or(0, |p| p.targets.len());
         if let Some(other) = primitives.iter().position(|p| p.targets.len() != targets) {
-            let json_path = format!("{}.primitives[{other}].targets", json.path());
+            let json_path = format!("{}.primitives[{other}].targets", json.path);
             return Err(GltfError::count(json_path, primitives[other].targets.len(), targets));
         }
         let weights = self.weights(json.get("weights")?, targets, || json.path_of("weights"))?;

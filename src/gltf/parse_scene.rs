@@ -83,7 +83,7 @@ impl Parser<'_> {
             let sampler = json.need_index("sampler", list)?;
             match self.channel_target(&json.need("target")?)? {
                 Ok((node, property)) => channels.push(ChannelTarget { channel, sampler, node, property }),
-                Err(problem) => self.warnings.push(GltfWarning::channel(json.path(), &problem))?,
+                Err(problem) => self.warnings.push(GltfWarning::channel(&json.path, &problem))?,
             }
         }
         Ok(Animation { samplers, channels })

@@ -45,7 +45,7 @@ impl Asset {
             mixed_determinants += usize::from(mixed);
             instances.push(posed);
         }
-        Ok(Pose::new(instances).with_mixed_determinants(mixed_determinants))
+        Ok(Pose { instances, mixed_determinants })
     }
 
     /// The lights of the chosen scene (`KHR_lights_punctual`) at a time in seconds, in world space, in the order of its

@@ -108,11 +108,6 @@ impl Use<'_> {
 }
 
 impl<'a> Reader<'a> {
-    /// Charges `count` elements of `size` bytes that are about to be allocated.
-    pub(super) fn charge(&self, count: u64, size: u64, what: &dyn Fn() -> String) -> Result<(), GltfError> {
-        self.budget.charge(count, size, what)
-    }
-
     pub(super) fn accessor(&self, index: usize) -> Result<&'a Accessor, GltfError> {
         checked(&self.document.accessors[index])
     }
@@ -183,7 +178,7 @@ impl<'a> Reader<'a> {
         // The check against the data comes first, so that a wrong number gets its own error.
         let source = view.map(|view| self.strided(view, offset, count, element, at)).transpose()?;
         // The bytes as they are stored and the numbers, or the numbers in one list and in one of vectors.
-        self.charge(count, (element.max(4 * components) + 4 * components) as u64, &|| at.json_path())?;
+        self.budget.charge(count, (element.max(4 * components) + 4 * components) as u64, &|| at.json_path())?;
         let mut bytes = match source {
             Some((data, stride)) => pack(data, stride, element, count as usize),
             None => at.zeros(count, element)?,
@@ -235,7 +230,7 @@ impl<'a> Reader<'a> {
             return Err(at.fault(format_args!("it replaces {count} elements of {elements}")));
         }
         let (indices, stride) = self.strided(indices.view, indices.offset, count, component.size(), at)?;
-        self.charge(count, (component.size() + 4 + element) as u64, &|| at.json_path())?;
+        self.budget.charge(count, (component.size() + 4 + element) as u64, &|| at.json_path())?;
         let indices = unsigned(&pack(indices, stride, component.size(), count as usize), component);
         let (values, stride) = self.strided(values.view, values.offset, count, element, at)?;
         let values = pack(values, stride, element, count as usize);

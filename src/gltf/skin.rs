@@ -28,7 +28,7 @@ fn load_one(reader: &Reader<'_>, index: usize) -> Result<LoadedSkin, GltfError> 
         return Err(GltfError::count(json_path, count, expected));
     }
     // A list that doubles.
-    reader.charge(expected as u64, 3 * size_of::<DAffine3>() as u64, &|| format!("skins[{index}].joints"))?;
+    reader.budget.charge(expected as u64, 3 * size_of::<DAffine3>() as u64, &|| format!("skins[{index}].joints"))?;
     let inverse_binds = match skin.inverse_binds {
         None => vec![DAffine3::IDENTITY; expected],
         Some(accessor) => {

@@ -23,7 +23,7 @@ pub(super) fn read(
         changed(format!(": {count} corners are no whole number of triangles; the last {over} are left out"))?;
     }
     let faces = face_count(mode, count as u64) as usize;
-    let charge_faces = || reader.charge(faces as u64, size_of::<[u32; 3]>() as u64, &|| indices_path.clone());
+    let charge_faces = || reader.budget.charge(faces as u64, size_of::<[u32; 3]>() as u64, &|| indices_path.clone());
     let mark = reader.budget.mark();
     let Some(accessor) = primitive.indices else {
         charge_faces()?;

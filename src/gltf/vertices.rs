@@ -44,7 +44,7 @@ pub(super) fn read(
     let target = |(t, target): (usize, &Option<usize>)| {
         let json_path = format!("{json_path}.targets[{t}].POSITION");
         let Some(target) = *target else {
-            reader.charge(positions.len() as u64, 12, &|| json_path.clone())?;
+            reader.budget.charge(positions.len() as u64, 12, &|| json_path.clone())?;
             return Ok(vec![[0.0; 3]; positions.len()]);
         };
         reader.check_count(target, positions.len(), &json_path)?;
@@ -111,7 +111,7 @@ fn bindings(
         return Ok(bindings);
     }
     // Four joints and weights of 4 bytes for each set, and a count, in lists that double.
-    reader.charge(vertices as u64, 3 * (32 * sets.len() as u64 + 4), &|| format!("{json_path}.attributes"))?;
+    reader.budget.charge(vertices as u64, 3 * (32 * sets.len() as u64 + 4), &|| format!("{json_path}.attributes"))?;
     for vertex in 0..vertices {
         bindings.push(&sets, vertex);
     }

@@ -486,7 +486,7 @@ impl OutlinePipeline {
                     filled(device, "outlined group", bytemuck::bytes_of(&of_group), wgpu::BufferUsages::UNIFORM);
                 let resources: Vec<_> = std::iter::once(whole(&of_group)).chain(outlined.resources()).collect();
                 let edges = group(device, "outlined edges", &pair.layouts[0], &resources);
-                let resources = [whole(&of_view), texture(depth), whole(outlined.faces())];
+                let resources = [whole(&of_view), texture(depth), whole(&outlined.topology.page.faces)];
                 let of_style = group(device, "outline", &pair.layouts[1], &resources);
                 self.part(pair, view, [edges, of_style], outlined.edges(), outlined.arguments())
             };

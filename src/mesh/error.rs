@@ -4,6 +4,16 @@
 /// mesh has at most three edge records for each face.
 pub const MAX_FACES: usize = (1 << 31) / 3;
 
+/// Refuses a mesh without faces, and more faces or vertices than indices can name.
+pub(super) fn check_counts(vertices: usize, faces: usize) -> Result<(), MeshError> {
+    match (faces, vertices) {
+        (0, _) => Err(MeshError::NoFaces),
+        (faces, _) if faces > MAX_FACES => Err(MeshError::TooManyFaces { faces }),
+        (_, vertices) if vertices >= u32::MAX as usize => Err(MeshError::TooManyVertices { vertices }),
+        _ => Ok(()),
+    }
+}
+
 /// Why a mesh or a weld distance is refused. Loop 0 of a polygon is the outer one.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::error::{MAX_FACES, MeshError};
+use super::error::{MeshError, check_counts};
 use super::polygons::{PolygonLoops, Polygons, Welded};
 use super::topology::{EdgeCounts, EdgeRecords, is_degenerate};
 use super::weld::{self, Weld, WeldCounts};
@@ -20,7 +20,7 @@ use super::weld::{self, Weld, WeldCounts};
 /// face). The most is 48 bytes (no two faces share an edge).
 #[derive(Clone, Debug)]
 pub struct Mesh {
-    id: MeshId,
+    pub(crate) id: MeshId,
     vertex_count: u32,
     /// The faces, or the triangles of the polygons.
     faces: Vec<[u32; 3]>,
@@ -132,12 +132,6 @@ impl Mesh {
         Self { id: MeshId::next(), vertex_count: vertex_count as u32, faces, polygons: None, edges, weld }
     }
 
-    /// The identity of this mesh.
-    #[cfg(feature = "gpu")]
-    pub(crate) fn id(&self) -> MeshId {
-        self.id
-    }
-
     /// The number of source vertices, including those that were welded to others. A position buffer must hold this number of
     /// positions.
     pub fn vertex_count(&self) -> u32 {
@@ -190,20 +184,12 @@ impl Mesh {
 
     /// The size of the edge records in memory, in bytes: 16 for each record.
     pub fn edge_record_bytes(&self) -> usize {
-        self.edges.bytes()
+        size_of_val(self.edges.vertices()) + size_of_val(self.edges.packed_faces())
     }
 }
 
 fn check(vertex_count: usize, faces: &[[u32; 3]]) -> Result<(), MeshError> {
-    if faces.is_empty() {
-        return Err(MeshError::NoFaces);
-    }
-    if faces.len() > MAX_FACES {
-        return Err(MeshError::TooManyFaces { faces: faces.len() });
-    }
-    if vertex_count >= u32::MAX as usize {
-        return Err(MeshError::TooManyVertices { vertices: vertex_count });
-    }
+    check_counts(vertex_count, faces.len())?;
     match out_of_range(faces, vertex_count) {
         Some([face, corner]) => {
             let index = faces[face][corner];

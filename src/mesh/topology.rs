@@ -98,11 +98,6 @@ impl EdgeRecords {
         &self.faces
     }
 
-    /// The size in memory, in bytes.
-    pub(super) fn bytes(&self) -> usize {
-        size_of_val(&*self.vertices) + size_of_val(&*self.faces)
-    }
-
     /// Builds the records of faces whose vertices are below `vertex_count`.
     pub(super) fn build(vertex_count: usize, faces: &(impl HalfEdges + ?Sized)) -> Self {
         let mates = pair_half_edges(vertex_count, faces);

@@ -140,10 +140,7 @@ impl ModelBounds {
     /// # Errors
     /// [`ModelError`] if the pose does not fit the model.
     pub fn boxes(&self, pose: &Pose, displaced_by: f32) -> Result<Vec<Option<Box3>>, ModelError> {
-        let (given, needed) = (pose.instances().len(), self.instances.len());
-        if given != needed {
-            return Err(ModelError::PoseInstances { given, needed });
-        }
+        pose.check_instances(self.instances.len())?;
         let instances = self.instances.iter().zip(pose.instances()).enumerate();
         let box_of_instance = |(number, (&geometry, pose)): (usize, (&usize, &InstancePose))| {
             let geometry = &self.geometries[geometry];

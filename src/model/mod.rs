@@ -97,10 +97,7 @@ impl Model {
     /// # Errors
     /// [`ModelError`] for the first instance that does not fit.
     pub fn check(&self, pose: &Pose) -> Result<(), ModelError> {
-        let (given, needed) = (pose.instances().len(), self.instances.len());
-        if given != needed {
-            return Err(ModelError::PoseInstances { given, needed });
-        }
+        pose.check_instances(self.instances.len())?;
         let mut instances = pose.instances().iter().zip(self.placed_geometries()).enumerate();
         instances.try_for_each(|(instance, (pose, geometry))| {
             pose.check_counts(instance, geometry.joints_needed(), geometry.morph_targets().len())

@@ -104,8 +104,8 @@ fn determinant(matrix: &Transform) -> f64 {
 /// The state of a whole model at one time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pose {
-    instances: Vec<InstancePose>,
-    mixed_determinants: usize,
+    pub(crate) instances: Vec<InstancePose>,
+    pub(crate) mixed_determinants: usize,
 }
 
 impl Pose {
@@ -113,11 +113,6 @@ impl Pose {
     /// and a pose compare the two and return a [`ModelError`] if they do not fit.
     pub fn new(instances: Vec<InstancePose>) -> Self {
         Self { instances, mixed_determinants: 0 }
-    }
-
-    #[cfg(feature = "gltf")]
-    pub(crate) fn with_mixed_determinants(self, mixed_determinants: usize) -> Self {
-        Self { mixed_determinants, ..self }
     }
 
     /// This pose moved: all instances are transformed by `at`, for example a figure of a file into a level. Matrices are
@@ -129,6 +124,12 @@ impl Pose {
         let at = at.into().to_f64();
         let instances = self.instances.iter().map(|instance| instance.placed(&at)).collect::<Result<_, _>>()?;
         Ok(Self { instances, ..*self })
+    }
+
+    /// Checks that there are as many instances as a model has.
+    pub(crate) fn check_instances(&self, needed: usize) -> Result<(), ModelError> {
+        let given = self.instances.len();
+        if given == needed { Ok(()) } else { Err(ModelError::PoseInstances { given, needed }) }
     }
 
     /// One pose for each of [`Model::instances`](super::Model::instances).

@@ -7,6 +7,7 @@ use rimline::gpu::{
     ShadowError, ShadowFormat, ShadowPipelines, ShadowQuery, ShadowQueryOptions,
 };
 use rimline::internals::Method;
+use rimline::mesh::Weld;
 use rimline::{Counting, Displacement, Light, Predicate};
 use rimline_testkit::shapes;
 
@@ -15,6 +16,7 @@ use rimline_testkit::dispatch::storage_layout;
 use rimline_testkit::harness::Test;
 use rimline_testkit::models::random_model;
 use rimline_testkit::on_gpu::{Found, compare, interleaved, limited, read, repeated_torus, text};
+use rimline_testkit::polygons::quad_box;
 use rimline_testkit::random::Random;
 use rimline_testkit::{lights, must_fail, same};
 
@@ -83,6 +85,12 @@ fn once() -> Result<(), String> {
             made.push(Box::new(Extractor::new(&pipelines, &mesh, options).map_err(text)?));
             count.added(what, adds)?;
         }
+    }
+    // Four stages in the place of facing, for any number of polygons.
+    for (what, cuts, adds) in [("polygons", 2, 4), ("more polygons", 3, 0)] {
+        let mesh = quad_box(cuts).mesh(Weld::Position).map_err(text)?;
+        made.push(Box::new(Extractor::new(&pipelines, &mesh, kinds()[0].1).map_err(text)?));
+        count.added(what, adds)?;
     }
     let extractor = Extractor::new(&pipelines, &mesh, ExtractorOptions::default()).map_err(text)?;
     let plain = ShadowFormat::default();

@@ -42,6 +42,7 @@ struct Chunk {
   first_light: u32, // The index of the batch's first light among all lights, a multiple of 32.
   capacity: u32, // Entries that the list of each light has room for; for polygons, pieces.
   blocks: u32, // Blocks of BLOCK edges in the whole mesh; the last one may not be full. 0 for polygons.
+  twisted_offset: u32, // The offset of the twisted masks behind the facing masks, for polygons. 0: no face is twisted.
 }
 
 // How counts of silhouette edges become draws.

@@ -38,20 +38,23 @@ fn emit(slot: u32, silhouette: u32, winding: u32) {
     }
   }
 }
+
+// Scenes extract casters of polygons as single meshes.
+fn twisted_offset() -> u32 { return 0u; }
 #else
 #import extract/edge_lists
+
+fn twisted_offset() -> u32 { return chunk.twisted_offset; }
 #endif
 
 @group(0) @binding(6) var<storage, read> edge_faces: array<vec2<u32>>;
-// The offset of the twisted masks behind the facing masks, for polygons. 0: no face is twisted.
-override TWISTED_OFFSET: u32 = 0u;
 
 // Decides an edge record: `slot` is its index in masks and lists, `index` that in `edge_faces`. INCONSISTENT: both faces
 // traverse the edge the same way, so their fronts are on different sides. Then the edge is a silhouette if the bits are
 // equal.
 fn process_item(slot: u32, index: u32) {
   let faces = edge_faces[index];
-  if (TWISTED_OFFSET != 0u) {
+  if (twisted_offset() != 0u) {
     let masks = masks_beside_twisted(faces);
     emit(slot, masks.silhouette, masks.winding);
     return;
@@ -72,13 +75,13 @@ fn process_item(slot: u32, index: u32) {
 // boundary, and the winding is that face's bit for the direction of face 0. If none remains, the record is no silhouette.
 fn masks_beside_twisted(faces: vec2<u32>) -> EdgeMasks {
   let first = faces.x & ~INCONSISTENT;
-  let is_present_0 = active_bits() & ~facing_mask(TWISTED_OFFSET + first);
+  let is_present_0 = active_bits() & ~facing_mask(twisted_offset() + first);
   let facing_0 = facing_mask(first);
   var is_present_1 = 0u;
   // The bit of face 1 for the direction of face 0: inverted, unless both traverse the edge the same way.
   var aligned_facing_1 = 0u;
   if (faces.y != NO_FACE) {
-    is_present_1 = active_bits() & ~facing_mask(TWISTED_OFFSET + faces.y);
+    is_present_1 = active_bits() & ~facing_mask(twisted_offset() + faces.y);
     aligned_facing_1 = ~facing_mask(faces.y);
     if ((faces.x & INCONSISTENT) != 0u) {
       aligned_facing_1 = ~aligned_facing_1;

@@ -160,7 +160,7 @@ fn cull_lights(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgr
 
 // The most corners of an occluder.
 const MOST_CORNERS: u32 = 8u;
-// The most occluders that are tested. Later ones cull nothing.
+// The most occluders that are tested. Later ones cull nothing. If there are more, the largest come first.
 const MOST_OCCLUDERS: u32 = 128u;
 const TOO_LARGE_TO_OCCLUDE: f32 = 0x1p36; // Above this size products may overflow. Nothing is then culled.
 const MOST_FLUSHED: f32 = 0x1p-100; // The most that flushing of small numbers loses.

@@ -248,8 +248,8 @@ impl<'a> Stopwatch<'a> {
     fn read(&mut self) -> Result<Option<(Passes, f64)>, Error> {
         let Some(timer) = &self.timer else { return Ok(None) };
         let Gpu { device, queue, .. } = self.gpu;
-        match timer.read(device, queue).and_then(|passes| Ok((passes, timer.read_span(device, queue)?))) {
-            Ok(times) => Ok(Some(times)),
+        match timer.read(device, queue) {
+            Ok(times) => Ok(Some((times.stages, times.span_ms))),
             Err(error) if error.is_clock() => {
                 self.timer = None;
                 Ok(None)

@@ -80,7 +80,7 @@ impl Times {
             return Ok(());
         };
         match timer.read(&gpu.device, &gpu.queue) {
-            Ok(stages) => stages.into_iter().for_each(|(stage, milliseconds)| self.add(stage, milliseconds)),
+            Ok(times) => times.stages.into_iter().for_each(|(stage, milliseconds)| self.add(stage, milliseconds)),
             Err(error) if error.is_clock() => {
                 for stage in timer.stages() {
                     if self.0.iter().all(|(name, _)| *name != stage) {

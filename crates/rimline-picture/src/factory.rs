@@ -60,7 +60,7 @@ pub struct PipelineFactory {
 
 /// The description of a render pipeline. Settings that are not here are the same in all pipelines.
 #[derive(Clone)]
-pub struct Pass<'a> {
+pub struct PipelineDescriptor<'a> {
     /// Its label. Its fragment entry point is this name with `_fragment`.
     pub name: &'static str,
     /// Its vertex entry point is this name with `_vertex`; often the same name.
@@ -83,7 +83,7 @@ pub struct Pass<'a> {
     pub depth: Option<wgpu::DepthStencilState>,
 }
 
-impl<'a> Pass<'a> {
+impl<'a> PipelineDescriptor<'a> {
     /// Draws triangles that replace the colours of a target with one sample a pixel.
     pub fn new(
         name: &'static str,
@@ -105,7 +105,7 @@ impl<'a> Pass<'a> {
         Self { vertex: "cover", ..Self::new(name, source, groups, format) }
     }
 
-    /// The pipeline. `prelude` is the WGSL before the pass's own: with [`COMMON`] for [`Self::over`], and with group 0 if
+    /// The pipeline. `prelude` is the WGSL before its own: with [`COMMON`] for [`Self::over`], and with group 0 if
     /// `frame` is its layout.
     pub fn pipeline(
         &self,
@@ -222,9 +222,9 @@ impl PipelineFactory {
         self.device.create_texture(&wgpu::TextureDescriptor { sample_count: samples, ..plain })
     }
 
-    /// The pipeline of a pass, with the prelude and the frame.
-    pub fn pipeline(&self, pass: &Pass<'_>) -> wgpu::RenderPipeline {
-        pass.pipeline(&self.device, &self.prelude, Some(&self.frame_layout))
+    /// A pipeline with the prelude and the frame.
+    pub fn pipeline(&self, descriptor: &PipelineDescriptor<'_>) -> wgpu::RenderPipeline {
+        descriptor.pipeline(&self.device, &self.prelude, Some(&self.frame_layout))
     }
 }
 

@@ -24,11 +24,13 @@ pub use bindings::{READ_ONLY, UNIFORM, depth_format, filled, group, layout, read
 pub use bounds::{Bounds, SceneBounds};
 pub use camera::Camera;
 pub use colors::corner_colors;
-pub use factory::{COMMON, LARGEST, MULTIPLY, Pass, PipelineFactory, color_pass, depth_state, plain_texture, view};
+pub use factory::{
+    COMMON, LARGEST, MULTIPLY, PipelineDescriptor, PipelineFactory, color_pass, depth_state, plain_texture, view,
+};
 pub use frame::{PARTS, Part, SceneView};
 pub use lights::{ShadedLight, reach};
 pub use normals::corner_normals;
-pub use overlay::{OVERLAY, VolumeOverlay, overlay_pass};
+pub use overlay::{OVERLAY, VolumeOverlay, overlay_descriptor};
 pub use passes::{Mode, Onto, PicturePipelines, ReceiverPass, ReceiverPipelines, Subject};
 pub use resources::Resources;
 pub use smoothing::{NormalPipeline, Normals, Smoothing};

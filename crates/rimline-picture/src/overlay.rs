@@ -4,26 +4,26 @@ use rimline::gpu::{Extraction, ExtractorError, include_wgsl, results_bind_group_
 use wgpu::{BlendState, CompareFunction, PrimitiveTopology, StencilFaceState};
 
 use crate::bindings::depth_format;
-use crate::factory::{Pass, depth_state};
+use crate::factory::{PipelineDescriptor, depth_state};
 use crate::resources::Resources;
 use crate::targets::Target;
 
 /// The shaders of overlays, `volumes` and `edges`. They stand after the library's include for group 2.
 pub const OVERLAY: &str = include_str!("overlay.wgsl");
 
-/// A pass that draws an overlay in front of the models. `groups` begin with the light.
-pub fn overlay_pass<'a>(
+/// A pipeline that draws an overlay in front of the models. `groups` begin with the light.
+pub fn overlay_descriptor<'a>(
     resources: &Resources,
     target: Target,
     (name, source): (&'static str, &'a str),
     groups: &'a [&'a wgpu::BindGroupLayout],
-) -> Pass<'a> {
+) -> PipelineDescriptor<'a> {
     let format = depth_format(&resources.factory.device);
-    Pass {
+    PipelineDescriptor {
         blend: Some(BlendState::ALPHA_BLENDING),
         samples: target.samples,
         depth: Some(depth_state(format, false, CompareFunction::Greater, StencilFaceState::IGNORE)),
-        ..Pass::new(name, source, groups, target.format)
+        ..PipelineDescriptor::new(name, source, groups, target.format)
     }
 }
 
@@ -41,8 +41,8 @@ impl VolumeOverlay {
         let source = format!("{}\n{OVERLAY}", include_wgsl(2));
         let groups = [&resources.light, &layout];
         let pipeline = |name, topology| {
-            let pass = overlay_pass(resources, target, (name, &source), &groups);
-            resources.factory.pipeline(&Pass { topology, ..pass })
+            let descriptor = overlay_descriptor(resources, target, (name, &source), &groups);
+            resources.factory.pipeline(&PipelineDescriptor { topology, ..descriptor })
         };
         let passes =
             [pipeline("volumes", PrimitiveTopology::TriangleStrip), pipeline("edges", PrimitiveTopology::LineStrip)];

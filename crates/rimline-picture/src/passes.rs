@@ -3,7 +3,7 @@
 use wgpu::{BlendState, ColorWrites, CompareFunction, StencilFaceState, StencilOperation, TextureFormat};
 
 use crate::bindings::depth_format;
-use crate::factory::{ADD, MULTIPLY, Pass, color_pass, depth_state, view};
+use crate::factory::{ADD, MULTIPLY, PipelineDescriptor, color_pass, depth_state, view};
 use crate::resources::Resources;
 use crate::surface::Surface;
 use crate::targets::{Attachments, PictureFormat, Target, Targets};
@@ -98,8 +98,11 @@ impl PicturePipelines {
         // Where nothing was drawn, depth is still 0.
         let equal = CompareFunction::Equal;
         let behind = depth_state(depth_format(&factory.device), false, equal, StencilFaceState::IGNORE);
-        let backdrop =
-            Pass { samples: target.samples, depth: Some(behind), ..Pass::over("backdrop", source, &[], target.format) };
+        let backdrop = PipelineDescriptor {
+            samples: target.samples,
+            depth: Some(behind),
+            ..PipelineDescriptor::over("backdrop", source, &[], target.format)
+        };
         let light = format.light_layout(factory);
         let lit = ReceiverPass::new(target, "lit", Onto::Lit);
         let mut pipelines = Self {
@@ -109,7 +112,7 @@ impl PicturePipelines {
             lit: ReceiverPipelines::new(resources, ReceiverPass { blend: Some(ADD), ..lit }),
             shade: None,
             mode: Mode::Additive,
-            tone: factory.pipeline(&Pass::over(tone, source, &[&light], format.picture())),
+            tone: factory.pipeline(&PipelineDescriptor::over(tone, source, &[&light], format.picture())),
         };
         pipelines.set_mode(resources, mode);
         pipelines
@@ -276,8 +279,8 @@ impl ReceiverPass {
         let Self { target, fragment, onto, blend, write } = *self;
         let factory = &resources.factory;
         let depth = Some(onto.state(depth_format(&factory.device)));
-        let pass = Pass::new(fragment, source, groups, target.format);
-        factory.pipeline(&Pass { vertex, blend, samples: target.samples, write, depth, ..pass })
+        let descriptor = PipelineDescriptor::new(fragment, source, groups, target.format);
+        factory.pipeline(&PipelineDescriptor { vertex, blend, samples: target.samples, write, depth, ..descriptor })
     }
 }
 

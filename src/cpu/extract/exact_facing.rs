@@ -8,6 +8,9 @@ use crate::layout::low_bits;
 use crate::light::Light;
 use crate::mesh::is_degenerate;
 
+/// Lights along the axes. To break a tie, a light moves along each of them, by infinitely less each time.
+pub(crate) const AXES: [[f32; 4]; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+
 /// The exact sign of `det[b − a, c − a, l − w·a]`: 1, 0 or −1. All numbers are finite. The light is `(l, w)`.
 pub fn exact_facing(a: [f32; 3], b: [f32; 3], c: [f32; 3], light: [f32; 4]) -> i32 {
     ExactFace::new(a, b, c).sign(light)

@@ -1,8 +1,7 @@
 //! The whole extraction on the CPU.
 
 use super::edges::{FaceMasks, edges_into};
-use super::facing::FacingStatistics;
-use super::facing::facing_into;
+use super::facing::{FacingStatistics, facing_into};
 use super::per_edge::per_edge;
 use crate::cpu::common::parallel::Threads;
 use crate::cpu::error::{CpuError, check_positions};
@@ -10,8 +9,7 @@ use crate::cpu::polygon::polygon_facing::polygon_facing;
 use crate::layout::EdgeMasks;
 use crate::light::{MAX_LIGHTS, check_lights};
 use crate::mesh::Silhouette;
-use crate::method::Method;
-use crate::method::Predicate;
+use crate::method::{Method, Predicate};
 use crate::{Light, Mesh};
 
 /// The result of an extraction on the CPU. Masks have ⌈N/32⌉ planes, each with all items in order, as the GPU's buffers

@@ -63,7 +63,7 @@ pub struct OcclusionStatistics {
 #[derive(Clone, Debug, PartialEq)]
 pub struct OccludedFaces {
     light: Light,
-    casters: Vec<OccludedOfCaster>,
+    pub(crate) casters: Vec<OccludedOfCaster>,
     statistics: OcclusionStatistics,
 }
 
@@ -134,11 +134,6 @@ impl OccludedFaces {
     /// Counts of the search.
     pub fn statistics(&self) -> OcclusionStatistics {
         self.statistics
-    }
-
-    #[cfg(feature = "gpu")]
-    pub(crate) fn casters(&self) -> &[OccludedOfCaster] {
-        &self.casters
     }
 }
 

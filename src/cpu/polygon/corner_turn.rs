@@ -1,10 +1,7 @@
 //! Turn: whether three points turn counter-clockwise as seen from a light.
 
 use crate::cpu::common::double_sign::{certain_sign, cross, difference, dot, to_light};
-use crate::cpu::extract::exact_facing::exact_facing;
-
-/// Lights along the axes. To break a tie, the light moves along each of them, by infinitely less each time.
-const AXES: [[f32; 4]; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+use crate::cpu::extract::exact_facing::{AXES, exact_facing};
 
 /// The exact sign of `det[b − a, c − a, l − w·a]`, the facing of a triangle: 1 if it turns counter-clockwise as seen from
 /// the light `(l, w)`. All numbers are finite.

@@ -24,12 +24,7 @@ pub(crate) fn many_edges(edges: &[Edge], light: [f32; 4]) -> Option<Orientation>
         let of = |f: usize| if f == e { 0 } else { edge_pair(edges[e], edges[f], light).left_of_e };
         (0..edges.len()).map(of).sum::<i32>()
     });
-    let windings: Vec<i32> = windings.collect();
-    Some(match windings.first() {
-        Some(1) if windings.iter().all(|&winding| winding == 1) => Orientation::FrontFacing,
-        Some(0) if windings.iter().all(|&winding| winding == 0) => Orientation::BackFacing,
-        _ => Orientation::Twisted,
-    })
+    Some(Orientation::of_windings(&windings.collect::<Vec<i32>>()))
 }
 
 /// Whether each edge is in one plane with the light and each corner. An edge that points at the light always is. Any other

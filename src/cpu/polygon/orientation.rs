@@ -12,3 +12,15 @@ pub enum Orientation {
     /// All others: the boundary crosses itself, goes around the light, or has a hole outside its outer loop.
     Twisted,
 }
+
+impl Orientation {
+    /// The side of a boundary whose edges do not meet, by the winding number on the left of each edge. On the right it is one
+    /// less. So all of the boundary's inside has 1, or all of it has −1.
+    pub(super) fn of_windings(windings: &[i32]) -> Self {
+        match windings {
+            [1, rest @ ..] if rest.iter().all(|&winding| winding == 1) => Self::FrontFacing,
+            [0, rest @ ..] if rest.iter().all(|&winding| winding == 0) => Self::BackFacing,
+            _ => Self::Twisted,
+        }
+    }
+}

@@ -80,12 +80,7 @@ impl Boundary {
                 windings[other] += pair.left_of_f;
             }
         }
-        // On the right of an edge it is one less. So all of the boundary's inside has 1, or all of it has −1.
-        match windings.first() {
-            Some(1) if windings.iter().all(|&winding| winding == 1) => Orientation::FrontFacing,
-            Some(0) if windings.iter().all(|&winding| winding == 0) => Orientation::BackFacing,
-            _ => Orientation::Twisted,
-        }
+        Orientation::of_windings(&windings)
     }
 
     /// Whether all corners are in one plane.

@@ -2,10 +2,7 @@
 //! `shadow_depth` counts, and asks here only about faces that `f64` leaves undecided. The stage `exact_shadow_depth` makes
 //! the same decisions on the GPU.
 
-use crate::cpu::extract::exact_facing::ExactFace;
-
-/// Lights along the axes. To break a tie, the light moves along each of them, by infinitely less each time.
-const AXES: [[f32; 4]; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+use crate::cpu::extract::exact_facing::{AXES, ExactFace};
 
 /// Whether the face `(a, b, c)` lies strictly between the point `p` and the light `(l, w)`, with `w ≥ 0`. This means:
 /// point and light are strictly on opposite sides of its plane, and the line between them goes through the inside of

@@ -86,9 +86,8 @@ struct Segment {
 
 impl Segment {
     fn new(point: [f32; 3], light: Light, on_face: u32) -> Self {
-        let light = light.to_array();
-        let [p, l] = [point, light_xyz(light)].map(|v| v.map(f64::from));
-        let w = f64::from(light[3]);
+        let light @ [x, y, z, w] = light.to_array();
+        let ([p, l], w) = ([point, [x, y, z]].map(|v| v.map(f64::from)), f64::from(w));
         Self { point, light, p, l, w, towards: to_light(p, l, w), on_face }
     }
 
@@ -207,8 +206,4 @@ fn head_of(cluster: &FaceCluster, index: usize, lane: usize) -> usize {
 /// The vertices of a face of a cluster.
 fn corners_of(cluster: &FaceCluster, lane: usize) -> [u32; 3] {
     [0, 1, 2].map(|corner| cluster.corners[3 * lane + corner])
-}
-
-fn light_xyz([x, y, z, _]: [f32; 4]) -> [f32; 3] {
-    [x, y, z]
 }

@@ -71,6 +71,6 @@ impl<K: Clone + Eq + Hash, V: Clone> Cache<K, V> {
 }
 
 /// Locks despite a panic elsewhere. A panic leaves values whole, since each is stored in one step.
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

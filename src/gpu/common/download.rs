@@ -2,10 +2,11 @@
 
 use std::ops::Range;
 use std::pin::Pin;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::task::{Context, Poll, Wake, Waker};
 use std::thread::{self, Thread};
 
+use super::cache::lock;
 use super::device_error::DeviceError;
 use super::memory::any_error;
 
@@ -52,7 +53,7 @@ impl Download {
             queue.submit([encoder.finish()]);
             let sender = Arc::clone(&answer);
             staging.slice(..).map_async(wgpu::MapMode::Read, move |result| {
-                let mut answer = sender.lock().unwrap_or_else(PoisonError::into_inner);
+                let mut answer = lock(&sender);
                 answer.result = Some(result);
                 let waker = answer.waker.take();
                 drop(answer);
@@ -69,7 +70,7 @@ impl Future for Download {
     type Output = Result<Copied, DeviceError>;
 
     fn poll(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Self::Output> {
-        let mut answer = self.answer.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut answer = lock(&self.answer);
         let Some(result) = answer.result.take() else {
             answer.waker = Some(context.waker().clone());
             return Poll::Pending;

@@ -75,12 +75,8 @@ pub(crate) fn buffer(
     bytes: u64,
     usage: wgpu::BufferUsages,
 ) -> wgpu::Buffer {
-    device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some(label),
-        size: padded(bytes),
-        usage,
-        mapped_at_creation: false,
-    })
+    let (label, size) = (Some(label), padded(bytes));
+    device.create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false })
 }
 
 /// A buffer that begins with `contents`.
@@ -104,12 +100,8 @@ pub(crate) fn mapped(
     bytes: u64,
     usage: wgpu::BufferUsages,
 ) -> wgpu::Buffer {
-    device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some(label),
-        size: padded(bytes),
-        usage,
-        mapped_at_creation: true,
-    })
+    let (label, size) = (Some(label), padded(bytes));
+    device.create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: true })
 }
 
 /// Writes the beginning of a mapped buffer and unmaps it. Returns whether the buffer was mapped; no buffer of a lost

@@ -33,10 +33,10 @@ use crate::stages::{DEFORM, Stage};
 /// # }
 /// ```
 ///
-/// Options, formats and sizes of meshes that change a shader or its constants have pipelines of their own. Displacements
-/// share a pipeline if their sources are equal and their bind group layout is the same object. Pipelines live until the
-/// last clone, and the last thing made with it, are dropped. If a displacement changes again and again, give
-/// [`Deformer::new`](crate::gpu::Deformer::new) the device, or the pipelines of all its sources stay.
+/// Options and formats have pipelines of their own, and so has a mesh with an array of several bindings. Meshes of other
+/// sizes share. Displacements share a pipeline if their sources are equal and their bind group layout is the same object.
+/// Pipelines live until the last clone, and the last thing made with it, are dropped. If a displacement changes again and
+/// again, give [`Deformer::new`](crate::gpu::Deformer::new) the device, or the pipelines of all its sources stay.
 ///
 /// Each constructor first compares the device with the needs of its stages. This happens once for each `Pipelines` and kind
 /// of stages, such as extraction. The first limit that does not do gives a [`DeviceError`] with its name, the value needed

@@ -29,16 +29,6 @@ impl Subject {
             "volumes from depth maps",
         ][self as usize]
     }
-
-    /// Whether the GPU computes the workgroup count of a stage, or the results are drawn by an indirect draw.
-    fn is_indirect(self) -> bool {
-        self != Self::Deform
-    }
-
-    /// Whether vertex shaders read storage buffers.
-    fn reads_in_vertex_shaders(self) -> bool {
-        !matches!(self, Self::Extract | Self::Query | Self::Deform)
-    }
 }
 
 /// A field of [`wgpu::Limits`], and the value that each [`Subject`] needs.
@@ -105,13 +95,19 @@ pub(crate) fn check_limits(limits: &wgpu::Limits, subject: Subject) -> Result<()
 /// Compares a device with the needs of a subject's stages.
 pub(crate) fn check_device(device: &wgpu::Device, subject: Subject) -> Result<(), DeviceError> {
     check_limits(&device.limits(), subject)?;
-    if subject.is_indirect() {
+    // The GPU computes the workgroup count of a stage, or the results are drawn by an indirect draw.
+    if subject != Subject::Deform {
         check_flag(device, subject, "INDIRECT_EXECUTION", || {
             drop(buffer(device, "indirect execution", 16, wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::STORAGE));
         })?;
     }
-    if subject.reads_in_vertex_shaders() {
-        check_flag(device, subject, "VERTEX_STORAGE", || drop(vertex_storage_layout(device)))?;
+    // Vertex shaders read storage buffers.
+    if !matches!(subject, Subject::Extract | Subject::Query | Subject::Deform) {
+        check_flag(device, subject, "VERTEX_STORAGE", || {
+            let entries = &entries(wgpu::ShaderStages::VERTEX, [(0, READ)]);
+            let descriptor = wgpu::BindGroupLayoutDescriptor { label: Some("vertex storage"), entries };
+            drop(device.create_bind_group_layout(&descriptor));
+        })?;
     }
     Ok(())
 }
@@ -145,11 +141,6 @@ pub(crate) fn check_sample_shading(device: &wgpu::Device, subject: Subject) -> R
     })
 }
 
-fn vertex_storage_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
-    let entries = &entries(wgpu::ShaderStages::VERTEX, [(0, READ)]);
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("vertex storage"), entries })
-}
-
 /// Refuses a device that was lost or destroyed. wgpu calls only the caller's callback, but no buffer of a lost device
 /// can be mapped. In a browser it can be mapped, so a lost device is not noticed there.
 pub(crate) fn check_alive(device: &wgpu::Device) -> Result<(), DeviceError> {
@@ -160,7 +151,7 @@ pub(crate) fn check_alive(device: &wgpu::Device) -> Result<(), DeviceError> {
 
 /// Refuses a timer of another device.
 pub(crate) fn check_timer(timer: Option<&StageTimer>, device: &wgpu::Device) -> Result<(), DeviceError> {
-    timer.map_or(Ok(()), |timer| check_same(["the timer", "the stages"], [timer.device(), device]))
+    timer.map_or(Ok(()), |timer| check_same(["the timer", "the stages"], [&timer.device, device]))
 }
 
 /// Refuses objects of two devices.

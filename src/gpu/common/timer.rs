@@ -31,7 +31,7 @@ pub struct StageTimes {
 pub struct StageTimer {
     set: wgpu::QuerySet,
     resolved: wgpu::Buffer,
-    device: wgpu::Device,
+    pub(crate) device: wgpu::Device,
     period_ns: f32,
     names: Vec<&'static str>,
     /// On software devices.
@@ -124,32 +124,13 @@ impl StageTimer {
         stages
     }
 
-    /// The device that it times.
-    pub(crate) fn device(&self) -> &wgpu::Device {
-        &self.device
-    }
-
-    /// Name and time of each stage in milliseconds, summed over its passes, in the order first recorded. Call it after
-    /// the encoder was submitted. It waits for the device. The timer has times of the first 2,048 passes only. An
-    /// extraction has at most two passes for each chunk of the mesh and batch of 32 lights, or four for each batch if the
-    /// mesh is of polygons by loop. Beside these it has at most four for each batch, and one more.
+    /// The times of the stages. Call it after the encoder was submitted. It waits for the device. The timer has times of the
+    /// first 2,048 passes only. An extraction has at most two passes for each chunk of the mesh and batch of 32 lights, or
+    /// four for each batch if the mesh is of polygons by loop. Beside these it has at most four for each batch, and one more.
     ///
     /// # Errors
     /// [`DeviceError`] when the device is lost or the timestamps have no meaning.
-    pub fn read(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<(&'static str, f64)>, DeviceError> {
-        self.read_times(device, queue).map(|times| times.stages)
-    }
-
-    /// The time from the beginning of the first stage to the end of the last, in milliseconds. It includes gaps between
-    /// stages. Otherwise it is like [`Self::read`].
-    ///
-    /// # Errors
-    /// The errors of [`Self::read`].
-    pub fn read_span(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<f64, DeviceError> {
-        self.read_times(device, queue).map(|times| times.span_ms)
-    }
-
-    fn read_times(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<StageTimes, DeviceError> {
+    pub fn read(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<StageTimes, DeviceError> {
         let ticks: Vec<u64> = read_back_vec(device, queue, &self.resolved)?;
         let times = times(&self.names, &ticks, self.period_ns)?;
         if let Some(load) = self.submit_check(queue) {
@@ -163,9 +144,8 @@ impl StageTimer {
         self.check.as_ref().filter(|_| self.has_compute).map(|check| check.submit(&self.device, queue))
     }
 
-    /// The results of [`Self::read`] and [`Self::read_span`], without waiting.
-    /// [`read_back_async`](crate::gpu::read_back_async) says who polls the device. The timer may be cleared and used
-    /// again at once.
+    /// The result of [`Self::read`], without waiting. [`read_back_async`](crate::gpu::read_back_async) says who polls the
+    /// device. The timer may be cleared and used again at once.
     ///
     /// # Errors
     /// The errors of [`Self::read`].

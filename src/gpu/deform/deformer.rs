@@ -1,8 +1,11 @@
 //! Deforms a model on the GPU: computes world-space positions of a pose in a storage buffer.
 
+use std::sync::Mutex;
+
 use super::model_data::{ARRAYS, ModelData, PlannedDispatch, PoseLayout};
 use crate::displace::{DISPLACE_GROUP, Displacement};
 use crate::gpu::common::bindings::{part, uniform, whole};
+use crate::gpu::common::cache::lock;
 use crate::gpu::common::device_error::DeviceError;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, any_error, check, guarded, scoped};
@@ -106,6 +109,8 @@ pub struct Deformer {
     pass: Step,
     displaced: bool,
     pub(crate) has_resources: bool,
+    /// The last bind group of the displacement that the device accepted. It accepts it in each later encode, too.
+    accepted: Mutex<Option<wgpu::BindGroup>>,
     /// The size of all buffers.
     pub(crate) bytes: u64,
 }
@@ -224,7 +229,8 @@ impl Deformer {
         };
         let offsets = (0..).step_by(UniformTable::stride::<DeformDispatch>());
         let pass = pipeline.pass(offsets.zip(&data.dispatches).map(bind));
-        Self { device: device.clone(), buffers, data, pass, displaced, has_resources: false, bytes: 0 }
+        let (device, accepted) = (device.clone(), Mutex::default());
+        Self { device, buffers, data, pass, displaced, has_resources: false, accepted, bytes: 0 }
     }
 
     /// The positions, once the encoder was submitted. The buffer stays the same, and has the usages `VERTEX` and `STORAGE`.
@@ -272,14 +278,14 @@ impl Deformer {
     }
 
     /// Refuses a bind group without a displacement that has resources, and the other way round. A bind group that would
-    /// spoil the caller's encoder is tried in another one.
+    /// spoil the caller's encoder is tried in another one, once.
     pub(crate) fn check_resources(&self, resources: Option<&wgpu::BindGroup>) -> Result<(), DeformError> {
         if self.has_resources != resources.is_some() {
             return Err(DeformError::Resources);
         }
         let Some(group) = resources else { return Ok(()) };
         // A browser's answer comes too late, so the error is left to the caller's encoder.
-        if cfg!(target_family = "wasm") {
+        if cfg!(target_family = "wasm") || lock(&self.accepted).as_ref() == Some(group) {
             return Ok(());
         }
         let tried = any_error(&self.device, || {
@@ -289,7 +295,9 @@ impl Deformer {
         });
         tried.map_err(|message| {
             check_alive(&self.device).map_or_else(DeformError::Device, |()| DeformError::BindGroup { message })
-        })
+        })?;
+        *lock(&self.accepted) = Some(group.clone());
+        Ok(())
     }
 
     /// The uniforms of the dispatches.
@@ -341,10 +349,7 @@ impl Deformer {
     pub(crate) fn pose_words(&self, pose: &Pose) -> Result<Vec<u32>, DeformError> {
         let mut words = vec![0; self.data.chunks.len() * size_of::<DeformChunk>() / 4];
         let mut target_counts = Vec::with_capacity(self.data.layouts.len());
-        if pose.instances().len() != self.data.layouts.len() {
-            let (given, needed) = (pose.instances().len(), self.data.layouts.len());
-            return Err(ModelError::PoseInstances { given, needed }.into());
-        }
+        pose.check_instances(self.data.layouts.len())?;
         for (instance, (layout, pose)) in self.data.layouts.iter().zip(pose.instances()).enumerate() {
             pose.check_counts(instance, layout.joints as usize, layout.target_count as usize)?;
             words.resize(layout.palette as usize, 0);

@@ -88,7 +88,7 @@ pub(super) fn contour_shape(
         return Err(DepthMapError::OneBit(bits));
     }
     let threshold = f64::from(threshold);
-    let limits = DispatchLimits::new(&pipelines.shared().device().limits());
+    let limits = DispatchLimits::new(&pipelines.shared.device().limits());
     let tiles = size.map(|texels| (texels + 1).div_ceil(TILE));
     let tile_count = u64::from(tiles[0]) * u64::from(tiles[1]);
     let words = (size[0] + 2).div_ceil(WORD_SAMPLES);
@@ -121,7 +121,7 @@ impl Contours {
         shape: ContourShape,
         buffers: ContourBuffers,
     ) -> Result<Self, DepthMapError> {
-        let shared = pipelines.shared();
+        let shared = &pipelines.shared;
         // Compiles them here, so that no draw waits for the compiler.
         pipelines.walls()?;
         let max_workgroups = shared.device().limits().max_compute_workgroups_per_dimension;

@@ -100,7 +100,7 @@ impl DepthMapCube {
     /// [`DepthMapError`] if the side, an option or the number of bits is refused, or buffers and texture do not fit the
     /// device.
     pub fn new(pipelines: &DepthMapPipelines, side: u32, options: DepthMapOptions) -> Result<Self, DepthMapError> {
-        pipelines.shared().construct(Subject::DepthMap, || Self::with(pipelines, side, options))
+        pipelines.shared.construct(Subject::DepthMap, || Self::with(pipelines, side, options))
     }
 
     fn with(pipelines: &DepthMapPipelines, side: u32, options: DepthMapOptions) -> Result<Self, DepthMapError> {
@@ -118,7 +118,7 @@ impl DepthMapCube {
         if cells > MAX_CELLS {
             return Err(DepthMapError::Cells(side));
         }
-        let shared = pipelines.shared().clone();
+        let shared = pipelines.shared.clone();
         let device = shared.device();
         let max_side = device.limits().max_texture_dimension_2d;
         let size = [side.saturating_mul(3), side.saturating_mul(2)];

@@ -144,7 +144,7 @@ impl DepthMapFrame {
 
     /// Refuses pipelines that do not fit, and a frame whose list a later encode overwrites.
     fn check(&self, pipelines: &DepthMapPipelines) -> Result<(), DepthMapError> {
-        check_same(["`DepthMapPipelines`", "the volumes"], [pipelines.shared().device(), &self.device])?;
+        check_same(["`DepthMapPipelines`", "the volumes"], [pipelines.shared.device(), &self.device])?;
         let (volumes, other) = (self.depth, pipelines.format().depth);
         if volumes != other {
             return Err(DepthMapError::Depth { what: "the pipelines", given: other, made: volumes });

@@ -21,7 +21,7 @@ use crate::stages::{DEPTH_SURFACE, DEPTH_WALLS, Stage};
 /// The pipelines that draw volumes from depth maps, for one [`ShadowFormat`] and one or several bits of the stencil.
 #[derive(Debug)]
 pub struct DepthMapPipelines {
-    shared: Pipelines,
+    pub(super) shared: Pipelines,
     format: ShadowFormat,
     bits: Range<u32>,
     /// One for each bit.
@@ -91,8 +91,12 @@ impl DepthMapPipelines {
     }
 
     /// Makes pipelines that count by parity in each of `bits`. For each bit the boundary is moved sideways by another part
-    /// of a texel (section 8.3 of the paper). So borders of shadows have a level of grey more than there are bits;
-    /// [`Self::lit_share`] resolves them. Volumes are drawn once for each bit, and the slope bias is up to twice as large.
+    /// of a texel (section 8.3 of the paper). So borders of shadows have a level of grey more than there are bits. Volumes are
+    /// drawn once for each bit, and the slope bias is up to twice as large.
+    ///
+    /// The share of light at a pixel is the share of bits that are 0. A stencil test cannot tell shares, so add light in a
+    /// later pass that reads the stencil as a texture. In WGSL, with a texture of the stencil aspect and `mask` for the bits:
+    /// `1.0 - f32(countOneBits(textureLoad(stencil, pixel, 0).x & mask)) / f32(countOneBits(mask))`.
     ///
     /// Where volumes of meshes count in the same stencil, use [`Self::beside_meshes`].
     ///
@@ -145,22 +149,9 @@ impl DepthMapPipelines {
         Ok(self.walls.get_or_init(|| made))
     }
 
-    pub(super) fn shared(&self) -> &Pipelines {
-        &self.shared
-    }
-
     /// The bits of the stencil that the pipelines draw into.
     pub fn bits(&self) -> Range<u32> {
         self.bits.clone()
-    }
-
-    /// The share of light at a pixel, from 0 to 1, by its stencil value: the share of bits that are 0. A stencil test cannot
-    /// tell shares, so add light in a later pass that reads the stencil as a texture. In WGSL, with a texture of the stencil
-    /// aspect and `mask` for the bits: `1.0 - f32(countOneBits(textureLoad(stencil, pixel, 0).x & mask)) /
-    /// f32(countOneBits(mask))`.
-    pub fn lit_share(&self, stencil: u8) -> f32 {
-        let dark = self.bits().filter(|bit| stencil >> bit & 1 == 1).count();
-        1.0 - dark as f32 / self.bits.len() as f32
     }
 
     /// The attachments that the pipelines draw into.

@@ -192,7 +192,7 @@ impl DepthMapVolumes {
     /// [`DepthMapError`] if the size or an option is refused, or the buffers do not fit the device.
     pub fn new(pipelines: &DepthMapPipelines, size: [u32; 2], options: DepthMapOptions) -> Result<Self, DepthMapError> {
         let maps = Maps { size, faces: 1, textures: &[] };
-        pipelines.shared().construct(Subject::DepthMap, || Self::with(pipelines, &maps, options))
+        pipelines.shared.construct(Subject::DepthMap, || Self::with(pipelines, &maps, options))
     }
 
     /// Makes buffers for one map, or for the six of a cube.
@@ -201,7 +201,7 @@ impl DepthMapVolumes {
         maps: &Maps<'_>,
         options: DepthMapOptions,
     ) -> Result<Self, DepthMapError> {
-        let shared = pipelines.shared();
+        let shared = &pipelines.shared;
         let device = shared.device();
         let limits = DispatchLimits::new(&device.limits());
         let plan = Plan::new(pipelines, maps, &options, &limits)?;

@@ -91,26 +91,12 @@ impl DepthMapTexture {
         maps: [&wgpu::TextureView; 2],
         depth: DepthDirection,
     ) -> Result<(), DepthMapError> {
-        self.merge_timed(encoder, maps, depth, None)
-    }
-
-    /// The same with a timestamp around each stage.
-    ///
-    /// # Errors
-    /// The errors of [`Self::merge`], and [`DepthMapError::Device`] for a timer of another device.
-    pub fn merge_timed(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        maps: [&wgpu::TextureView; 2],
-        depth: DepthDirection,
-        timer: Option<&mut StageTimer>,
-    ) -> Result<(), DepthMapError> {
         for (index, map) in maps.into_iter().enumerate() {
             self.check(map, &format!("map {index} of the merge"))?;
         }
         let [first, second] = maps;
         let textures = [("depth_texture", first), ("second_texture", second), ("merged_texture", &self.view)];
-        self.record(encoder, &self.merge, depth, &textures, None, timer)
+        self.record(encoder, &self.merge, depth, &textures, None, None)
     }
 
     /// Records a conversion of distances, as ray-marched distance fields and range images have them, to the device depths

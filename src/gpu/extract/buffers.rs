@@ -69,6 +69,11 @@ impl Shape {
         light::batches(self.max_lights)
     }
 
+    /// The offset of the twisted masks behind the facing masks. 0: no face is twisted.
+    pub(super) fn twisted_offset(&self) -> u32 {
+        if self.polygons.is_some() { self.faces as u32 } else { 0 }
+    }
+
     /// Bytes of a `FacingRecord`.
     pub(super) fn record_bytes(&self) -> u64 {
         RECORD_HEAD + 4 * self.undecided.max(1) as u64

@@ -1,10 +1,11 @@
 //! The result of one encode, and the buffers that hold it.
 
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use super::buffers::{Buffers, Shape};
 use super::errors::ExtractorError;
+use crate::gpu::common::cache::lock;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, Windows};
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::positions::PositionBuffer;
@@ -63,11 +64,6 @@ impl PositionSlice {
 impl Shared {
     pub(crate) fn device(&self) -> &wgpu::Device {
         self.pipelines.device()
-    }
-
-    /// The buffers are overwritten from here on, so earlier extractions are out of date.
-    pub(crate) fn begin_encode(&self) -> u64 {
-        self.encodes.fetch_add(1, Ordering::Relaxed) + 1
     }
 
     pub(crate) fn results(&self) -> ExtractionResults<'_> {
@@ -207,7 +203,7 @@ impl Extraction {
         if batch >= batches {
             return Err(ExtractorError::NoSuchBatch { batch, batches });
         }
-        let mut cached = self.shared.include_groups.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut cached = lock(&self.shared.include_groups);
         let is_it =
             |made: &&IncludeGroup| made.batch == batch && made.positions == self.positions && made.layout == *layout;
         if let Some(made) = cached.iter().find(is_it) {

@@ -1,6 +1,6 @@
 //! The extraction stages: facing, edges, compaction, draw arguments.
 
-use std::sync::atomic::AtomicU64;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 
 use super::buffers::{Buffers, RECORD_HEAD, Shape};
@@ -70,9 +70,7 @@ impl Extractor {
         let ranges = DispatchRanges::new(&shape, [&faces, &edges], &mut chunks);
         let buffers = Buffers::new(device, mesh, &shape, &options, &split, &chunks)?;
 
-        let twisted_offset = if shape.polygons.is_some() { shape.faces } else { 0 };
-        let (reading, others) =
-            (shape.reading(device, &options, 0), from_facing(&options, twisted_offset, facing.words));
+        let (reading, others) = (shape.reading(device, &options, 0), from_facing(&options, facing.words));
         pipelines.make_together(&programs([&reading, &others], arguments(&options)));
         // If the device refuses one, the error is that of this constructor.
         for planned in &reading {
@@ -95,7 +93,7 @@ impl Extractor {
             shape,
             buffers,
             facing,
-            mesh: mesh.id(),
+            mesh: mesh.id,
             has_masks: options.masks,
             vertices_per_edge: options.lists.map_or(0, |lists| lists.topology.vertices()),
             encodes: AtomicU64::new(0),
@@ -148,7 +146,8 @@ impl Extractor {
         let of_batches = from_positions.zip(&self.from_facing).take(light::batches(lights.len()));
         let of_batches = of_batches.flat_map(|(first, then)| first.iter().chain(then));
         record(self.before.iter().chain(of_batches).chain(&self.at_last), encoder, 0..1, timer);
-        let encode = self.shared.begin_encode();
+        // The buffers are overwritten from here on, so earlier extractions are out of date.
+        let encode = self.shared.encodes.fetch_add(1, Ordering::Relaxed) + 1;
         Ok(Extraction::new(Arc::clone(&self.shared), slice, lights, encode))
     }
 

@@ -102,7 +102,7 @@ impl Shared {
             lights: shape.batch_lights(batch) as u32,
             position_offset: bound.offset_words,
             position_stride: bound.stride_words,
-            twisted_offset: if shape.polygons.is_some() { shape.faces as u32 } else { 0 },
+            twisted_offset: shape.twisted_offset(),
             vertices_per_edge: self.vertices_per_edge,
         });
         let info = table.into_buffer(device, "rimline info");

@@ -52,11 +52,6 @@ impl PolygonMesh {
         PolygonBuffers { boundaries, undecided, head, arguments, pieces: vec![pieces] }
     }
 
-    /// The number of polygons.
-    pub(crate) fn len(&self) -> usize {
-        self.counts.polygons
-    }
-
     /// Bytes on the device.
     pub(crate) fn bytes(&self) -> u64 {
         self.boundaries.size()
@@ -78,8 +73,7 @@ pub(crate) fn polygon_steps(
     let mut chunks = UniformTable::default();
     let ranges = &DispatchRanges::new(shape, [&[], &limits.chunks("edge records", shape.edges, 8)?], &mut chunks);
     buffers.chunks = chunks.into_buffer(device, "chunks");
-    let (reading, others) =
-        (from_positions(device, &options, Some(true), 0), from_facing(&options, shape.faces, facing.words));
+    let (reading, others) = (from_positions(device, &options, Some(true), 0), from_facing(&options, facing.words));
     // The scene makes draw arguments.
     pipelines.make_together(&programs([&reading, &others], None));
     let Buffers { record, counts, .. } = &buffers;

@@ -39,7 +39,7 @@ const SHARED_PIECES: u64 = 1 << 20;
 /// Numbers of a mesh of polygons that all sizes follow from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct PolygonCounts {
-    pub(super) polygons: usize,
+    pub(crate) polygons: usize,
     boundary_edges: usize,
     /// Entries for edges of small boundaries, for each few lights, and of large ones, for each light.
     small: u64,

@@ -64,7 +64,7 @@ impl Extraction {
         if light >= lights {
             return Err(ExtractorError::NoSuchLight { light, lights });
         }
-        if mesh.id() != self.shared.mesh {
+        if mesh.id != self.shared.mesh {
             return Err(ExtractorError::OtherMesh);
         }
         let at = 4 * light as u64;

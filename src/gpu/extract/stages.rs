@@ -89,7 +89,7 @@ pub(super) fn from_positions(
         return stages.into_iter().chain(cut.into_iter().filter(|_| pieces)).map(stage).collect();
     }
     let predicate = options.method.predicate(options.predicate);
-    let plane = ("PLANE", switch(predicate.is_plane()));
+    let plane = ("PLANE", switch(predicate == Predicate::Plane));
     if options.method.is_per_edge() {
         let [masks, append] = emit_constants(options);
         let program = Program::of(&PER_EDGE, &[windows, plane, masks, append]);
@@ -103,12 +103,11 @@ pub(super) fn from_positions(
     stages
 }
 
-/// The stages after facing, in their order. Masks are read in windows of `words` words. Those of twisted polygons begin at
-/// `twisted_offset`, if it is not 0.
-pub(super) fn from_facing(options: &ExtractorOptions, twisted_offset: usize, words: u32) -> Vec<Planned> {
+/// The stages after facing, in their order. Masks are read in windows of `words` words.
+pub(super) fn from_facing(options: &ExtractorOptions, words: u32) -> Vec<Planned> {
     let [masks, append] = emit_constants(options);
     let windows = ("FACING_WINDOW_WORDS", f64::from(words));
-    let edges = Program::of(&EDGES, &[windows, masks, append, ("TWISTED_OFFSET", twisted_offset as f64)]);
+    let edges = Program::of(&EDGES, &[windows, masks, append]);
     let has_edges = !options.method.is_per_edge() && (options.masks || options.lists.is_some());
     let compact = COMPACT.entry_points.iter().zip([Size::Items, Size::Lights, Size::Items]);
     let compact = compact
@@ -130,7 +129,7 @@ pub(super) fn programs([reading, others]: [&[Planned]; 2], further: Option<Progr
 
 /// The programs of all stages for triangles whose arrays each fit one window.
 pub(crate) fn of_triangles(device: &wgpu::Device, options: &ExtractorOptions) -> Vec<Program> {
-    programs([&from_positions(device, options, None, 0), &from_facing(options, 0, 0)], arguments(options))
+    programs([&from_positions(device, options, None, 0), &from_facing(options, 0)], arguments(options))
 }
 
 /// Items of a dispatch, for a batch of lights.
@@ -156,10 +155,11 @@ pub(super) struct DispatchRanges([Vec<Vec<BatchItems>>; 3]);
 impl DispatchRanges {
     /// Writes the chunks to the table.
     pub(super) fn new(shape: &Shape, [faces, edges]: [&[Range<usize>]; 2], table: &mut UniformTable) -> Self {
+        let twisted_offset = shape.twisted_offset();
         let mut plan = |chunks: &[Range<usize>], capacity: u32, blocks: u32| {
             let mut range = |batch: usize, items: &Range<usize>| {
                 let (first, count, first_light) = (items.start as u32, items.len() as u32, 32 * batch as u32);
-                let chunk = table.push(&Chunk { first, count, first_light, capacity, blocks });
+                let chunk = table.push(&Chunk { first, count, first_light, capacity, blocks, twisted_offset });
                 BatchItems { batch, items: items.clone(), chunk }
             };
             let mut of_batch = |batch| chunks.iter().map(|items| range(batch, items)).collect();

@@ -124,7 +124,7 @@ impl ShadowQuery {
         let buffers = guarded(device, bytes, || Buffers::plan(&clusters, sizes, |wanted| wanted.make(device)))?;
         let query = Self {
             split,
-            mesh: mesh.id(),
+            mesh: mesh.id,
             vertices: mesh.vertex_count(),
             clusters: clusters.len(),
             buffers,

@@ -143,7 +143,7 @@ impl MeshEntry {
 
     /// The number of faces, which are polygons or triangles.
     pub(crate) fn face_count(&self) -> usize {
-        self.polygons.as_ref().map_or(self.faces as usize, PolygonMesh::len)
+        self.polygons.as_ref().map_or(self.faces as usize, |polygons| polygons.counts.polygons)
     }
 
     pub(crate) fn edges(&self) -> u32 {

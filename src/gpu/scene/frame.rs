@@ -157,9 +157,9 @@ impl SceneFrame {
     ) -> Result<(), ShadowError> {
         let in_view = self.check_view(view)?;
         self.check_drawn(view, light)?;
-        check_same(["`ShadowPipelines`", "the scene"], [pipelines.volumes.shared().device(), &self.device])?;
+        check_same(["`ShadowPipelines`", "the scene"], [pipelines.volumes.shared.device(), &self.device])?;
         in_view.convention.check_drawn_by(pipelines.volumes.convention)?;
-        if (self.count_batches > 1) != pipelines.is_in_batches() {
+        if (self.count_batches > 1) != pipelines.resolve.is_some() {
             return Err(ShadowError::CountBatches { count_batches: self.count_batches });
         }
         self.record(pass, pipelines, view, light);

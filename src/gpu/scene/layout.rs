@@ -180,7 +180,7 @@ impl Layout {
         limits: &DispatchLimits,
     ) -> Result<(), DeviceError> {
         let Content { casters, lights, .. } = content;
-        (table.casters, table.batches) = (self.order.len(), lights.batches());
+        (table.casters, table.batches) = (self.order.len(), lights.used.batches());
         let mut next = table.caster_lights_offset();
         // Casters in world space share lights if their masks are equal.
         let mut in_world: HashMap<LightMask, u32> = HashMap::new();

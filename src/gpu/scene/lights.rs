@@ -105,11 +105,6 @@ impl Lights {
         self.bits.get(bit as usize).and_then(|bit| bit.light)
     }
 
-    /// The number of batches up to the last light.
-    pub(crate) fn batches(&self) -> usize {
-        self.used.batches()
-    }
-
     /// All lights, in the order of their bits.
     pub(crate) fn listed(&self) -> Arc<[(LightHandle, Light)]> {
         let listed = |(bit, &Bit { light, generation, .. }): (u32, &Bit)| {

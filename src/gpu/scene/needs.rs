@@ -117,7 +117,7 @@ impl Scene {
 
     /// The deforming casters for the stage: boxes and bits of lights.
     fn deforming_records(&self) -> Vec<[u32; 4]> {
-        let batches = self.content.lights.batches();
+        let batches = self.content.lights.used.batches();
         let mut records = Vec::with_capacity(self.deforming.len() * (2 + batches.div_ceil(4)));
         for entry in self.deforming.iter().filter_map(|&key| self.content.casters.get(key)) {
             let [low, high] = entry.bounds.unwrap_or_default().map(|corner| corner.map(f32::to_bits));

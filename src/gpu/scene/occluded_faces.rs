@@ -68,13 +68,13 @@ impl Scene {
         casters: &[CasterHandle],
         occluded: &OccludedFaces,
     ) -> Result<OccludedFacesOfLight, ShadowError> {
-        let (given, found) = (casters.len(), occluded.casters().len());
+        let (given, found) = (casters.len(), occluded.casters.len());
         if given != found {
             return Err(ShadowError::OcclusionCasters { given, found });
         }
         let mut keys = HashSet::new();
         let mut sources = Vec::with_capacity(given);
-        for (number, (caster, of_caster)) in casters.iter().zip(occluded.casters()).enumerate() {
+        for (number, (caster, of_caster)) in casters.iter().zip(&occluded.casters).enumerate() {
             let key = caster.key_in(self.id)?;
             let entry = self.content.casters.get(key).ok_or(ShadowError::Removed { what: "caster" })?;
             let faces = entry.mesh.face_count();

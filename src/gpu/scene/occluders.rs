@@ -1,5 +1,6 @@
 //! Occluders: polygons on casters that cull the casters behind them. docs/numerics/scene.md, "Occluders".
 
+use std::cmp::Reverse;
 use std::sync::Arc;
 
 use glam::{DVec3, DVec4};
@@ -15,7 +16,8 @@ use crate::light_batch::ScaledLight;
 
 /// The most corners of an occluder.
 pub(crate) const MOST_CORNERS: usize = 8;
-/// The same as in `wgsl/scene/cull_lights.wgsl`.
+/// The most occluders that are tested, and the slack, as in `wgsl/scene/cull_lights.wgsl`.
+const MOST_OCCLUDERS: usize = 128;
 const SLACK: f64 = 1.0 / 262_144.0;
 
 /// The occluders in the table.
@@ -77,7 +79,11 @@ impl OccluderLayout {
         let scaled: Vec<[f32; 4]> = (0..32 * table.batches as u32).map(|bit| scaled(bit).unwrap_or_default()).collect();
         table.put(self.lights_offset, bytemuck::cast_slice(&scaled));
         let mut corners_offset = self.lights_offset + scaled.len();
-        for (number, (caster, corners)) in occluders(order, casters).enumerate() {
+        let mut all: Vec<_> = occluders(order, casters).collect();
+        if all.len() > MOST_OCCLUDERS {
+            all.sort_by_cached_key(|(caster, corners)| Reverse(area(corners, &caster.placement).to_bits()));
+        }
+        for (number, (caster, corners)) in all.into_iter().enumerate() {
             let Placement::Rigid(rigid) = &caster.placement else { continue };
             let corners = in_world(corners, rigid);
             // A caster with excluded faces culls nothing.
@@ -113,6 +119,16 @@ fn in_world(corners: &[[f32; 3]], rigid: &Rigid) -> Vec<[f32; 3]> {
         .iter()
         .map(|corner| matrix.transform_point3(DVec3::from(corner.map(f64::from))).as_vec3().to_array())
         .collect()
+}
+
+/// Twice the area of a polygon in world space, whose bits do not depend on where the caster is. 0: it culls nothing.
+fn area(corners: &[[f32; 3]], placement: &Placement) -> f64 {
+    let Placement::Rigid(Rigid { rows, space: Some(_), .. }) = placement else { return 0.0 };
+    let matrix = Transform::from(*rows).to_f64();
+    let corners: Vec<DVec3> =
+        corners.iter().map(|corner| matrix.transform_vector3(DVec3::from(corner.map(f64::from)))).collect();
+    let Some(&first) = corners.first() else { return 0.0 };
+    corners.iter().zip(corners.iter().skip(1)).map(|(&a, &b)| (a - first).cross(b - first)).sum::<DVec3>().length()
 }
 
 /// Whether a light sees the polygon counter-clockwise in world space. `None`: the polygon culls nothing for this light,

@@ -13,7 +13,7 @@ use crate::layout::{CHUNK, DrawArguments, OutlinedGroup};
 pub(crate) struct Outlined<'a> {
     structure: &'a Structure,
     part: &'a GroupBatch,
-    topology: &'a GroupTopology,
+    pub(crate) topology: &'a GroupTopology,
     bit: u32,
 }
 
@@ -46,10 +46,6 @@ impl<'a> Outlined<'a> {
             part(&buffers.facing, 0..sizes.facing()),
             part(&buffers.lists, 0..sizes.lists),
         ]
-    }
-
-    pub(crate) fn faces(self) -> &'a wgpu::Buffer {
-        &self.topology.page.faces
     }
 
     /// The edge slots.

@@ -427,7 +427,7 @@ impl Scene {
     /// shadow lies in that of the occluder. An occluder culls nothing for a light that its caster does not throw shadows
     /// for, from which it does not look convex, or that is near its plane. On a closed mesh only back-facing occluders cull,
     /// so give polygons on all sides. A caster with excluded faces culls nothing. Each encode tests each occluder for each
-    /// caster and light.
+    /// caster and light, up to 128 in the scene. If there are more, those of the smallest areas cull nothing.
     ///
     /// # Errors
     /// [`ShadowError::NotRigid`], [`ShadowError::OccluderCorners`], [`ShadowError::OccluderOutside`], or an error of

@@ -34,13 +34,6 @@ enum Items {
     One,
 }
 
-impl Items {
-    /// Whether groups of polygons have other stages for these items.
-    fn is_of_triangles(self) -> bool {
-        matches!(self, Self::Faces | Self::Undecided | Self::Edges)
-    }
-}
-
 /// The stages in their order, with their items.
 fn stages() -> [(Program, Items); 7] {
     [
@@ -88,7 +81,9 @@ pub(crate) fn steps(inputs: &Inputs<'_>, structure: &Structure) -> Result<Vec<St
             let dispatch = |part| {
                 pipeline.dispatch(device, binder.workgroups(items, part), |name| binder.get(pipeline.label, name, part))
             };
-            let parts = parts.iter().filter(|part| !items.is_of_triangles() || part.sizes.polygons.is_none());
+            // Groups of polygons have other stages for these items.
+            let is_of_triangles = matches!(items, Items::Faces | Items::Undecided | Items::Edges);
+            let parts = parts.iter().filter(|part| !is_of_triangles || part.sizes.polygons.is_none());
             steps.push(pipeline.pass(parts.map(dispatch)));
         }
         Ok(steps)

@@ -8,7 +8,6 @@ use slotmap::{DefaultKey, SlotMap};
 use super::buffers::{Buffers, CLUSTER_WORDS, GroupBuffers, GroupSizes, Sizes, WORK_WORDS};
 use super::caster::{CasterEntry, Content};
 use super::layout::{Group, Layout};
-use super::lights::Lights;
 use super::options::{Measuring, SceneOptions};
 use super::pages::Pages;
 use super::sources::GroupTopology;
@@ -103,7 +102,10 @@ impl Structure {
         let exclusions = caller_exclusions(&layout, table, casters);
         let exclusion_bytes: u64 = exclusions.iter().flatten().map(|masks| 4 * masks.len() as u64).sum();
         let shared = shared_dispatch(&layout, table, options, number);
-        let sizes_of = |group: &Group, batch| GroupSizes::new(group, used_bits(lights, batch), options, &limits);
+        let sizes_of = |group: &Group, batch| {
+            let bits = 32 - lights.used.word(batch).leading_zeros(); // up to the last light
+            GroupSizes::new(group, bits, options, &limits)
+        };
         let (sizes, dispatches) = plan(&shared, &layout.groups, sizes_of);
         sizes.groups.iter().filter_map(|part| part.polygons).try_for_each(|part| part.check_workgroups(&limits))?;
         check_uniforms(dispatches.len(), &limits)?;
@@ -286,11 +288,6 @@ fn caller_exclusions(
         }
     }
     exclusions
-}
-
-/// The bits of a batch up to the last light.
-fn used_bits(lights: &Lights, batch: usize) -> u32 {
-    32 - lights.used.word(batch).leading_zeros()
 }
 
 /// A buffer of `bytes` that begins with the table.

@@ -41,7 +41,7 @@ impl<'a> Topology<'a> {
             edge_vertices: edge_vertices.into(),
             edge_faces: edge_faces.into(),
             clusters: words,
-            order: Some(clusters.into_faces().into()),
+            order: Some(clusters.faces.into()),
         }
     }
 }

@@ -96,11 +96,6 @@ impl ShadowFormat {
         }
     }
 
-    /// The bits of the stencil that hold counts.
-    pub(crate) fn count_mask(&self) -> u32 {
-        low_bits(self.count_bits)
-    }
-
     /// The depth-stencil state of a pipeline that adds a light, for the pass in which that light's volumes were drawn. It
     /// draws the surfaces that the depth pass left, and lights them where no volume was counted: where the stencil is 0,
     /// which is the reference that passes begin with. It writes neither depth nor stencil.
@@ -167,18 +162,9 @@ pub(crate) enum Casters {
 impl Casters {
     /// The largest count with `count_bits` bits of the stencil. It is also the mask of the bits that count.
     pub(crate) fn largest_count(self, count_bits: u32) -> u32 {
-        low_bits(if self == Self::Batches { count_bits.saturating_sub(1) } else { count_bits })
+        let bits = if self == Self::Batches { count_bits.saturating_sub(1) } else { count_bits };
+        (1 << bits.min(8)) - 1
     }
-
-    /// The fewest bits that counts need.
-    pub(crate) fn least_bits(self) -> u32 {
-        if self == Self::Batches { 2 } else { 1 }
-    }
-}
-
-/// The lowest `count` bits of the stencil.
-fn low_bits(count: u32) -> u32 {
-    (1 << count.min(8)) - 1
 }
 
 /// An indirect draw of a list of polygons.

@@ -171,7 +171,7 @@ impl Convention {
 /// The render pipelines of one counting method for one [`ShadowFormat`](crate::gpu::ShadowFormat).
 #[derive(Debug)]
 pub(crate) struct VolumePipelines {
-    shared: Pipelines,
+    pub(crate) shared: Pipelines,
     pub(crate) convention: Convention,
     /// The draws of each [`Part`], in order. All but the first are made for the first casters that have them.
     parts: [OnceLock<Vec<PartDraw>>; 4],
@@ -225,11 +225,6 @@ impl VolumePipelines {
             keys.iter().map(draw).collect()
         })
     }
-
-    /// The shared pipelines that these belong to.
-    pub(crate) fn shared(&self) -> &Pipelines {
-        &self.shared
-    }
 }
 
 /// The layouts of the bind groups that draws use.
@@ -270,7 +265,7 @@ pub(crate) fn check(device: &wgpu::Device, format: &ShadowFormat, is_fail: bool)
 
 /// Refuses counts of bits that are too few or too many.
 pub(crate) fn check_count_bits(given: u32, casters: Casters) -> Result<(), ShadowError> {
-    let least = casters.least_bits();
+    let least = if casters == Casters::Batches { 2 } else { 1 };
     if (least..=8).contains(&given) { Ok(()) } else { Err(ShadowError::CountBits { given, least }) }
 }
 

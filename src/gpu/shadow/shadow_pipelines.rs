@@ -22,12 +22,12 @@ const WHOLE: &str = "
 pub struct ShadowPipelines {
     pub(crate) volumes: VolumePipelines,
     /// `None`: casters are counted in one batch.
-    resolve: Option<Resolve>,
+    pub(crate) resolve: Option<Resolve>,
 }
 
 /// The pipeline that is drawn between two batches of casters: it turns the counts of the first into the dark bit.
 #[derive(Debug)]
-struct Resolve {
+pub(crate) struct Resolve {
     pipeline: wgpu::RenderPipeline,
     /// The dark bit of the stencil, the highest of the bits of counts. It is set where earlier batches cast a shadow.
     dark_bit: u32,
@@ -72,10 +72,6 @@ impl ShadowPipelines {
         self.volumes.convention.counting
     }
 
-    pub(crate) fn is_in_batches(&self) -> bool {
-        self.resolve.is_some()
-    }
-
     /// Where a count is not 0, sets the dark bit, and the count to 0. Sets the stencil reference of the pass to 0.
     pub(crate) fn resolve(&self, pass: &mut wgpu::RenderPass<'_>) {
         if let Some(resolve) = &self.resolve {
@@ -96,7 +92,8 @@ fn resolve(pipelines: &Pipelines, format: &ShadowFormat) -> Resolve {
         pass_op: wgpu::StencilOperation::Replace,
         ..wgpu::StencilFaceState::IGNORE
     };
-    let stencil = wgpu::StencilState { front: face, back: face, read_mask: counts, write_mask: format.count_mask() };
+    let write_mask = Casters::Scene.largest_count(format.count_bits);
+    let stencil = wgpu::StencilState { front: face, back: face, read_mask: counts, write_mask };
     let compare = wgpu::CompareFunction::Always;
     let pipeline = pipelines.draws(&Drawn {
         label: "resolve counts",

@@ -141,11 +141,6 @@ impl VolumeSizes {
         32 * last + self.parts.get(last).map_or(0, |part| part.lights as usize)
     }
 
-    /// Whether any group has polygons.
-    pub(crate) fn has_pieces(&self) -> bool {
-        self.parts.iter().any(|part| part.shape.piece_capacity > 0)
-    }
-
     /// Pairs of view and light.
     pub(crate) fn view_lights(&self) -> usize {
         self.views * self.lights

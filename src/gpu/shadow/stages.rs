@@ -310,7 +310,8 @@ impl<'a> Binder<'a> {
     /// The stages, with a copy of the choices to the table before the lists are made.
     fn steps(&self) -> Vec<Step> {
         let mut steps = Vec::new();
-        let (has_pieces, options) = (self.sizes.has_pieces(), &self.sizes.options);
+        let VolumeSizes { parts, options, .. } = self.sizes;
+        let has_pieces = parts.iter().any(|part| part.shape.piece_capacity > 0);
         self.pipelines.make_together(&programs(has_pieces, options));
         for (program, over) in stages(has_pieces, options) {
             let pipeline = &self.pipelines.get(&program);

@@ -11,8 +11,7 @@ mod order;
 mod plane;
 
 pub use arranged::Arranged;
-pub use bound::ClusterBound;
-pub use bound::WIDENING;
+pub use bound::{ClusterBound, WIDENING};
 pub use edges::edge_order;
 
 use crate::cpu::Threads;
@@ -29,7 +28,7 @@ pub const CLUSTER_FACES: usize = 2 * CHUNK as usize;
 /// 10.4 bytes a face on closed meshes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Clusters {
-    faces: Vec<u32>,
+    pub(crate) faces: Vec<u32>,
     bounds: Vec<ClusterBound>,
     edges: Vec<u32>,
 }
@@ -49,11 +48,6 @@ impl Clusters {
     /// For each face slot the mesh's face. Cluster `i` has the slots from `i·CLUSTER_FACES` on.
     pub fn faces(&self) -> &[u32] {
         &self.faces
-    }
-
-    /// Gives [`Self::faces`] away.
-    pub(crate) fn into_faces(self) -> Vec<u32> {
-        self.faces
     }
 
     /// The bound of each cluster.

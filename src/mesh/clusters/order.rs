@@ -146,7 +146,9 @@ static PAIRS: [u16; 24 << 6] = {
 /// leaves.
 const fn step(state: u8, octant: u8) -> (u8, u8) {
     let (entry, axis) = (state / 3, state % 3);
-    let number = gray_inverse(rotate_right(octant ^ entry, axis + 1));
+    // The inverse of a Gray code, of bits that are rotated back.
+    let code = rotate_left(octant ^ entry, 2 - axis);
+    let number = code ^ code >> 1 ^ code >> 2;
     let entry = entry ^ rotate_left(entry_of(number), axis + 1);
     (number, 3 * entry + (axis + axis_of(number) + 1) % 3)
 }
@@ -154,14 +156,6 @@ const fn step(state: u8, octant: u8) -> (u8, u8) {
 const fn rotate_left(bits: u8, by: u8) -> u8 {
     let by = by % 3;
     (bits << by | bits >> (3 - by)) & 7
-}
-
-const fn rotate_right(bits: u8, by: u8) -> u8 {
-    rotate_left(bits, 3 - by % 3)
-}
-
-const fn gray_inverse(code: u8) -> u8 {
-    code ^ code >> 1 ^ code >> 2
 }
 
 /// The corner where the curve enters octant `number`.

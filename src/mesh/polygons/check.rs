@@ -1,20 +1,12 @@
 //! Checks of polygons as they are given.
 
 use super::{MAX_POLYGON_CORNERS, PolygonLoops};
-use crate::mesh::error::{MAX_FACES, MeshError};
+use crate::mesh::error::{MAX_FACES, MeshError, check_counts};
 
 /// Refuses arrays that do not fit together, small loops and bad indices. The error names the first one.
 pub(super) fn check(vertex_count: usize, given: PolygonLoops<'_>) -> Result<(), MeshError> {
     let PolygonLoops { polygon_loops, loop_sizes, loop_corners } = given;
-    if polygon_loops.is_empty() {
-        return Err(MeshError::NoFaces);
-    }
-    if polygon_loops.len() > MAX_FACES {
-        return Err(MeshError::TooManyFaces { faces: polygon_loops.len() });
-    }
-    if vertex_count >= u32::MAX as usize {
-        return Err(MeshError::TooManyVertices { vertices: vertex_count });
-    }
+    check_counts(vertex_count, polygon_loops.len())?;
     if loop_corners.len() > 3 * MAX_FACES {
         return Err(MeshError::TooManyCorners { corners: loop_corners.len() });
     }

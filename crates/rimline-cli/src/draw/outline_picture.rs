@@ -3,8 +3,8 @@
 use rimline::gpu::{Extraction, include_wgsl, results_bind_group_layout};
 use rimline::wgpu;
 use rimline_picture::{
-    Bounds, LARGEST, MULTIPLY, Pass, PipelineFactory, READ_ONLY, UNIFORM, color_pass, depth_state, plain_texture,
-    read_texture, view,
+    Bounds, LARGEST, MULTIPLY, PipelineDescriptor, PipelineFactory, READ_ONLY, UNIFORM, color_pass, depth_state,
+    plain_texture, read_texture, view,
 };
 use wgpu::{
     BindGroup, BindGroupLayout, BindingResource, BindingType, BlendState, Color, PrimitiveTopology, RenderPipeline,
@@ -66,20 +66,26 @@ impl ModelPipelines {
             depth_compare: Some(wgpu::CompareFunction::Always),
             ..nearest()
         };
-        let picture = |pass, depth| factory.pipeline(&Pass { samples: SAMPLES, depth: Some(depth), ..pass });
-        let shadow = Pass {
+        let picture = |of, depth| factory.pipeline(&PipelineDescriptor { samples: SAMPLES, depth: Some(depth), ..of });
+        let shadow = PipelineDescriptor {
             topology: PrimitiveTopology::TriangleStrip,
             blend: Some(MULTIPLY),
-            ..Pass::new("shadow", model, &of_map, FORMAT)
+            ..PipelineDescriptor::new("shadow", model, &of_map, FORMAT)
         };
         Self {
-            survey: factory.pipeline(&Pass { depth: Some(nearest()), ..Pass::new("survey", model, &of_model, SURVEY) }),
+            survey: factory.pipeline(&PipelineDescriptor {
+                depth: Some(nearest()),
+                ..PipelineDescriptor::new("survey", model, &of_model, SURVEY)
+            }),
             // The nearest to the ground counts, in any order.
-            below: factory.pipeline(&Pass { blend: Some(LARGEST), ..Pass::new("below", model, &of_model, CONTACT) }),
-            blur: factory.pipeline(&Pass::over("blur", screen, &of_map, CONTACT)),
-            backdrop: picture(Pass::over("backdrop", model, &[], FORMAT), behind.clone()),
+            below: factory.pipeline(&PipelineDescriptor {
+                blend: Some(LARGEST),
+                ..PipelineDescriptor::new("below", model, &of_model, CONTACT)
+            }),
+            blur: factory.pipeline(&PipelineDescriptor::over("blur", screen, &of_map, CONTACT)),
+            backdrop: picture(PipelineDescriptor::over("backdrop", model, &[], FORMAT), behind.clone()),
             shadow: picture(shadow, behind),
-            surface: picture(Pass::new("surface", model, &of_model, FORMAT), nearest()),
+            surface: picture(PipelineDescriptor::new("surface", model, &of_model, FORMAT), nearest()),
             geometry,
             map,
         }
@@ -112,23 +118,28 @@ impl LinePipelines {
         let survey = rimline_picture::layout(&factory.device, ShaderStages::FRAGMENT, &[SEEN, READ_ONLY, READ_ONLY]);
         let results = results_bind_group_layout(&factory.device, ShaderStages::VERTEX);
         let (screen, veil) = (include_str!("screen.wgsl"), include_str!("veil.wgsl"));
-        let darken = factory.pipeline(&Pass {
+        let darken = factory.pipeline(&PipelineDescriptor {
             blend: Some(MULTIPLY),
             samples: SAMPLES,
-            ..Pass::over("darken", screen, &[&darkening], FORMAT)
+            ..PipelineDescriptor::over("darken", screen, &[&darkening], FORMAT)
         });
         let lines = format!("{}\n{}", include_wgsl(2), include_str!("lines.wgsl"));
         let groups = [&survey, &results, &seen];
-        let lines = Pass {
+        let lines = PipelineDescriptor {
             topology: PrimitiveTopology::TriangleStrip,
             blend: Some(BlendState::ALPHA_BLENDING),
             samples: SAMPLES,
-            ..Pass::new("lines", &lines, &groups, FORMAT)
+            ..PipelineDescriptor::new("lines", &lines, &groups, FORMAT)
         };
         Self {
-            occlusion: factory.pipeline(&Pass::over("occlusion", screen, &[&seen], TextureFormat::R8Unorm)),
-            veil: factory.pipeline(&Pass::over("veil", veil, &[&survey], VEIL)),
-            coarser_veil: factory.pipeline(&Pass::over("veil_level", veil, &[&seen], VEIL)),
+            occlusion: factory.pipeline(&PipelineDescriptor::over(
+                "occlusion",
+                screen,
+                &[&seen],
+                TextureFormat::R8Unorm,
+            )),
+            veil: factory.pipeline(&PipelineDescriptor::over("veil", veil, &[&survey], VEIL)),
+            coarser_veil: factory.pipeline(&PipelineDescriptor::over("veil_level", veil, &[&seen], VEIL)),
             lines: factory.pipeline(&lines),
             darken,
             seen,

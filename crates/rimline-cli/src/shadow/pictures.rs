@@ -3,9 +3,9 @@
 use rimline::gpu::include_wgsl;
 use rimline::wgpu;
 use rimline_picture::{
-    Attachments, Mode, OVERLAY, Onto, Pass, PictureFormat, PicturePipelines, READ_ONLY, ReceiverPass,
+    Attachments, Mode, OVERLAY, Onto, PictureFormat, PicturePipelines, PipelineDescriptor, READ_ONLY, ReceiverPass,
     ReceiverPipelines, Resources, Subject, Surface, Target, Targets, UNIFORM, VolumeOverlay, depth_format, group,
-    layout, overlay_pass, read_texture, view,
+    layout, overlay_descriptor, read_texture, view,
 };
 use wgpu::{DepthBiasState, PrimitiveTopology, TextureFormat, TextureUsages};
 
@@ -205,9 +205,9 @@ impl MapOverlay {
         let source = format!("{}\n{OVERLAY}\n{}", include_wgsl(2), include_str!("depth_overlay.wgsl"));
         let groups = [&resources.light, &layout];
         let pipeline = |name, vertex, topology, bias| {
-            let pass = overlay_pass(resources, target, (name, &source), &groups);
-            let depth = pass.depth.clone().map(|depth| wgpu::DepthStencilState { bias, ..depth });
-            resources.factory.pipeline(&Pass { vertex, topology, depth, ..pass })
+            let descriptor = overlay_descriptor(resources, target, (name, &source), &groups);
+            let depth = descriptor.depth.clone().map(|depth| wgpu::DepthStencilState { bias, ..depth });
+            resources.factory.pipeline(&PipelineDescriptor { vertex, topology, depth, ..descriptor })
         };
         // The boundary of a map begins on the casters' surfaces. The bias moves it behind them, where they hide it. Depth is
         // reversed, so a negative bias moves away from the eye.

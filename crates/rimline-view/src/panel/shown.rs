@@ -1,6 +1,6 @@
 //! The picture in the window, below what egui draws.
 
-use rimline_picture::{COMMON, Pass, group, layout, read_texture};
+use rimline_picture::{COMMON, PipelineDescriptor, group, layout, read_texture};
 
 use crate::renderer::{Gpu, Renderer};
 
@@ -34,7 +34,7 @@ impl Shown {
         let layout =
             layout(&gpu.device, wgpu::ShaderStages::FRAGMENT, &[read_texture(wgpu::TextureViewDimension::D2, false)]);
         let pipelines = ["shown", "shown_doubled"]
-            .map(|name| Pass::over(name, SOURCE, &[&layout], format).pipeline(&gpu.device, COMMON, None));
+            .map(|name| PipelineDescriptor::over(name, SOURCE, &[&layout], format).pipeline(&gpu.device, COMMON, None));
         Self { layout, pipelines, is_doubled: false, picture: None }
     }
 

@@ -1,7 +1,7 @@
 //! Receivers over the picture, as scenes cull by them: a shadow volume is not drawn if it lies behind the farthest receivers
 //! of all tiles that it covers.
 
-use rimline_picture::{Pass, PictureFormat, Resources};
+use rimline_picture::{PictureFormat, PipelineDescriptor, Resources};
 use wgpu::BlendState;
 
 use super::canvas::Canvas;
@@ -54,8 +54,9 @@ impl Tiles {
         let layout =
             resources.factory.layout(&[wgpu::BindingType::Texture { sample_type, view_dimension, multisampled }]);
         let groups = [&layout];
-        let pass = Pass::over("receivers", &source, &groups, format.picture());
-        let pipeline = resources.factory.pipeline(&Pass { blend: Some(BlendState::ALPHA_BLENDING), ..pass });
+        let descriptor = PipelineDescriptor::over("receivers", &source, &groups, format.picture());
+        let pipeline =
+            resources.factory.pipeline(&PipelineDescriptor { blend: Some(BlendState::ALPHA_BLENDING), ..descriptor });
         Self { layout, pipeline }
     }
 

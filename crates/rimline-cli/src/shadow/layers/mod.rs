@@ -10,7 +10,7 @@ use rimline::gpu::{
     ShadowPipelines, StencilCounts,
 };
 use rimline::{Counting, Light, ShadowCamera, wgpu};
-use rimline_picture::{COMMON, Pass, depth_state};
+use rimline_picture::{COMMON, PipelineDescriptor, depth_state};
 
 use super::casting::{CastInputs, PosedModel, set_lights};
 use crate::device::{Gpu, GpuError, On as _};
@@ -173,10 +173,10 @@ fn resolve(device: &wgpu::Device, format: &ShadowFormat) -> wgpu::RenderPipeline
     };
     let mut depth = depth_state(format.depth_stencil, false, wgpu::CompareFunction::Always, face);
     depth.stencil.read_mask = MOST_OF_BATCH;
-    let pass = Pass {
+    let descriptor = PipelineDescriptor {
         samples: format.samples,
         depth: Some(depth),
-        ..Pass::over("resolve", "@fragment fn resolve_fragment() {}", &[], None)
+        ..PipelineDescriptor::over("resolve", "@fragment fn resolve_fragment() {}", &[], None)
     };
-    pass.pipeline(device, COMMON, None)
+    descriptor.pipeline(device, COMMON, None)
 }
