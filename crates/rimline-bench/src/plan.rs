@@ -35,13 +35,16 @@ pub struct Options {
 
 #[derive(Debug, thiserror::Error)]
 pub enum PlanError {
-    #[error("there is nothing to measure; give --meshes or --scenes a value other than `none`, or --frames on a GPU")]
+    #[error(
+        "there is nothing to measure; give numbers to --meshes, or stress scenes to --scenes; on a GPU also scenes of casters, or \
+         a number to --frames"
+    )]
     Nothing,
     #[error("there is no scene `{wanted}`; there are {there}, `all` and `none`")]
     Scene { wanted: String, there: String },
     #[error(
-        "--casters is for the scenes `casters`, `still`, `city`, `crowd`, `moving` and `house`, which --scenes leaves out; add one of \
-         them to --scenes"
+        "--casters is for the scenes `casters`, `still`, `city`, `crowd`, `moving` and `house` on a GPU, and none of them is \
+         measured; name some in --scenes, or leave --casters out"
     )]
     CastersWithoutScene,
 }
@@ -119,7 +122,8 @@ impl Plan {
         let casters = options.casters.clone().map(each_once);
         let takes_casters =
             |name: &&str| *name == CASTERS || SkipScene::named(name, quick).iter().any(|scene| !scene.is_one_mesh());
-        if casters.as_ref().is_some_and(|all| !all.is_empty()) && !wanted.iter().any(takes_casters) {
+        let has_numbers = casters.as_ref().is_some_and(|all| !all.is_empty());
+        if has_numbers && (cpu_only || !wanted.iter().any(takes_casters)) {
             return Err(PlanError::CastersWithoutScene);
         }
         let usual_meshes = usual(&MESHES, &QUICK_MESHES);
@@ -214,16 +218,16 @@ fn wanted(options: &Options) -> Result<Vec<&'static str>, PlanError> {
         None if options.model.is_some() => return Ok(Vec::new()),
         None if options.quick => return Ok(QUICK_SCENES.into_iter().chain([CASTERS]).chain(SKIPPING).collect()),
         None => return Ok(names().collect()),
-        Some([one]) if one == "all" => return Ok(names().collect()),
-        Some([one]) if one == "none" => return Ok(Vec::new()),
         Some(wanted) => wanted,
     };
     let known = |wanted: &String| {
-        names()
-            .find(|name| name == wanted)
-            .ok_or_else(|| PlanError::Scene { wanted: wanted.clone(), there: names().collect::<Vec<_>>().join(", ") })
+        let found: Vec<_> = names().filter(|name| wanted == "all" || name == wanted).collect();
+        if found.is_empty() && wanted != "none" {
+            return Err(PlanError::Scene { wanted: wanted.clone(), there: names().collect::<Vec<_>>().join(", ") });
+        }
+        Ok(found)
     };
-    wanted.iter().map(known).collect()
+    Ok(wanted.iter().map(known).collect::<Result<Vec<_>, _>>()?.concat())
 }
 
 #[cfg(test)]
@@ -249,15 +253,22 @@ mod tests {
             (plan.jobs.iter().map(Job::title).collect::<Vec<_>>(), plan.rows())
         };
         assert_eq!(plan(&["city", "plate-third", "city", "plate-third"], 2), plan(&["city", "plate-third"], 1));
+        assert_eq!(plan(&["city", "none"], 1), plan(&["city"], 1));
+        let (all, city_first) = (plan(&["all"], 1), plan(&["city", "all"], 1));
+        assert_eq!(all.1, city_first.1);
+        assert!(all.0.iter().all(|job| city_first.0.contains(job)));
     }
 
     #[test]
     fn numbers_of_casters_need_a_scene_that_takes_them() {
-        let plan = |scene: &str| {
+        let plan = |scene: &str, cpu_only: bool| {
             let (scenes, casters) = (Some(vec![scene.to_owned()]), Some(vec![3]));
-            Plan::new(Options { scenes, casters, meshes: Some(Vec::new()), frames: Some(0), ..Options::default() })
+            let meshes = Some(Vec::new());
+            Plan::new(Options { scenes, casters, meshes, frames: Some(0), cpu_only, ..Options::default() })
         };
-        assert!(matches!(plan("big"), Err(PlanError::CastersWithoutScene)));
-        assert!(plan("city").is_ok() && plan("casters").is_ok());
+        for (scene, cpu_only) in [("big", false), ("none", false), ("city", true)] {
+            assert!(matches!(plan(scene, cpu_only), Err(PlanError::CastersWithoutScene)), "{scene}");
+        }
+        assert!(plan("city", false).is_ok() && plan("casters", false).is_ok());
     }
 }
