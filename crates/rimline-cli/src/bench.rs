@@ -192,7 +192,7 @@ impl Destination {
         for (name, bytes) in results.report().map_err(|error| failure(error, None))? {
             Output::create(&folder.join(name))?.finish(|output| output.write_all(&bytes))?;
         }
-        note(&format!("wrote {}", folder.join("index.html").display()));
+        note(&format!("wrote the report; open {}", folder.join("index.html").display()));
         Ok(())
     }
 }
@@ -205,16 +205,16 @@ fn chart_files() -> impl Iterator<Item = String> {
 /// not a report's.
 fn check_report_folder(folder: &Path) -> Result<(), Failure> {
     let names = ["index.html", "data.json"].map(str::to_owned).into_iter().chain(chart_files());
-    let there = names.map(|name| folder.join(name)).find(|file| file.symlink_metadata().is_ok());
-    match there {
-        Some(file) if !is_report(&folder.join("index.html")) => Err(Failure::usage(format!(
-            "{} has {}, which is not of a report of `rimline bench` and would be replaced; move it away, or \
-             choose another folder",
-            folder.display(),
-            file.display()
-        ))),
-        _ => Ok(()),
+    let there: Vec<String> = names.filter(|name| folder.join(name).symlink_metadata().is_ok()).collect();
+    if there.is_empty() || is_report(&folder.join("index.html")) {
+        return Ok(());
     }
+    Err(Failure::usage(format!(
+        "{} has files that are not of a report of `rimline bench` and would be replaced: {}; choose another folder, or \
+         move them away",
+        folder.display(),
+        there.join(", ")
+    )))
 }
 
 /// Whether a page is one that this command wrote: its head has the title.
