@@ -309,12 +309,14 @@ impl ShadowArgs {
             }
         }
         for (option, prefix) in [("--mask", &self.mask), ("--save-depth", &self.save_depth)] {
-            let given = prefix.as_ref().map(|prefix| prefix.to_string_lossy());
-            if let Some(folder) = given.filter(|prefix| prefix.ends_with(std::path::is_separator)) {
-                // The names would begin with a dot, so hardly anyone would see the files.
+            let is_folder =
+                |path: &&PathBuf| path.is_dir() || path.to_string_lossy().ends_with(std::path::is_separator);
+            if let Some(folder) = prefix.as_ref().filter(is_folder) {
+                // The files would lie beside the folder, or their names would begin with a dot.
                 return Err(Failure::usage(format!(
-                    "{option} is the beginning of files' names, and {folder} is the name of a folder; give one such as \
-                     {folder}light"
+                    "{option} is the beginning of files' names, and {} is the name of a folder; give one such as {}",
+                    folder.display(),
+                    folder.join("light").display()
                 )));
             }
         }
