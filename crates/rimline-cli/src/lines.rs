@@ -182,7 +182,7 @@ fn read(args: &LinesArgs) -> Result<Vec<Input>, Failure> {
     let mut inputs = args.files.iter().map(|file| Input::read(file, &options)).collect::<Result<Vec<_>, _>>()?;
     play(&mut inputs, &args.pose)?;
     settle(&mut inputs, args.pose.time)?;
-    note_idle_time(&args.pose, inputs.iter().any(|input| !input.playing.is_empty()), None);
+    note_idle_time(&args.pose, inputs.iter().any(|input| !input.playing.is_empty()));
     Ok(inputs)
 }
 

@@ -380,9 +380,9 @@ pub(crate) struct FilmArgs {
     #[command(flatten)]
     pub(crate) scene: ShadowSceneArgs,
 
-    /// Pictures a second, 0.001 to 100000
-    #[arg(long, value_name = "N", default_value = "25", allow_hyphen_values = true, value_parser = spec::within(1e-3, 1e5))]
-    pub(crate) fps: f32,
+    /// Pictures a second, 0.001 to 100000 [default: 25]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = spec::within(1e-3, 1e5))]
+    pub(crate) fps: Option<f32>,
 
     /// The number of pictures. By default the film lasts as long as the longest animation
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_FRAMES))]
@@ -410,6 +410,12 @@ pub(crate) struct FilmArgs {
     /// Print what was written as JSON
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+impl FilmArgs {
+    pub(crate) fn fps(&self) -> f32 {
+        self.fps.unwrap_or(25.0)
+    }
 }
 
 /// Help of `--animation` where something should move.

@@ -47,6 +47,11 @@ impl ShadowInputs {
         Ok(Self { inputs, displacement })
     }
 
+    /// Whether positions depend on the time.
+    pub(crate) fn is_moving(&self) -> bool {
+        self.displacement.is_some() || self.inputs.iter().any(|input| !input.playing.is_empty())
+    }
+
     /// The files that were read, and those that models name.
     pub(crate) fn files<'a>(&'a self, args: &'a ShadowSceneArgs) -> impl Iterator<Item = &'a Path> {
         self.inputs.iter().flat_map(Input::files).chain(args.posed.displace.as_deref())
