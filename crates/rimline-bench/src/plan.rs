@@ -43,10 +43,12 @@ pub enum PlanError {
     #[error("there is no scene `{wanted}`; there are {there}, `all` and `none`")]
     Scene { wanted: String, there: String },
     #[error(
-        "--casters is for the scenes `casters`, `still`, `city`, `crowd`, `moving` and `house` on a GPU, and none of them is \
-         measured; name some in --scenes, or leave --casters out"
+        "--casters is for the scenes `casters`, `still`, `city`, `crowd`, `moving` and `house`, and none of them is measured; \
+         name some in --scenes, or leave --casters out"
     )]
     CastersWithoutScene,
+    #[error("{what} needs a GPU; leave it out, or leave out `--device cpu`")]
+    NeedsGpu { what: String },
 }
 
 #[derive(Clone, Debug)]
@@ -117,13 +119,15 @@ impl Plan {
         let Options { quick, cpu_only, .. } = options;
         let usual = |all: &[usize], few: &[usize]| if quick { few.to_vec() } else { all.to_vec() };
         let wanted = each_once(wanted(&options)?);
+        if cpu_only {
+            check_on_cpu(&options)?;
+        }
         let of_skipping: Vec<&str> = wanted.iter().filter(|name| SKIPPING.contains(name)).copied().collect();
         let has_casters = wanted.contains(&CASTERS);
         let casters = options.casters.clone().map(each_once);
         let takes_casters =
             |name: &&str| *name == CASTERS || SkipScene::named(name, quick).iter().any(|scene| !scene.is_one_mesh());
-        let has_numbers = casters.as_ref().is_some_and(|all| !all.is_empty());
-        if has_numbers && (cpu_only || !wanted.iter().any(takes_casters)) {
+        if casters.as_ref().is_some_and(|all| !all.is_empty()) && !wanted.iter().any(takes_casters) {
             return Err(PlanError::CastersWithoutScene);
         }
         let usual_meshes = usual(&MESHES, &QUICK_MESHES);
@@ -230,6 +234,18 @@ fn wanted(options: &Options) -> Result<Vec<&'static str>, PlanError> {
     Ok(wanted.iter().map(known).collect::<Result<Vec<_>, _>>()?.concat())
 }
 
+/// Refuses what the options name and only a GPU measures.
+fn check_on_cpu(options: &Options) -> Result<(), PlanError> {
+    let mut scenes = options.scenes.iter().flatten().map(String::as_str);
+    let what = match scenes.find(|name| *name == CASTERS || SKIPPING.contains(name)) {
+        Some(scene) => format!("the scene `{scene}`"),
+        None if options.casters.as_ref().is_some_and(|all| !all.is_empty()) => "--casters".to_owned(),
+        None if options.frames.is_some_and(|frames| frames > 0) => "--frames".to_owned(),
+        None => return Ok(()),
+    };
+    Err(PlanError::NeedsGpu { what })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -261,14 +277,13 @@ mod tests {
 
     #[test]
     fn numbers_of_casters_need_a_scene_that_takes_them() {
-        let plan = |scene: &str, cpu_only: bool| {
+        let plan = |scene: &str| {
             let (scenes, casters) = (Some(vec![scene.to_owned()]), Some(vec![3]));
-            let meshes = Some(Vec::new());
-            Plan::new(Options { scenes, casters, meshes, frames: Some(0), cpu_only, ..Options::default() })
+            Plan::new(Options { scenes, casters, meshes: Some(Vec::new()), frames: Some(0), ..Options::default() })
         };
-        for (scene, cpu_only) in [("big", false), ("none", false), ("city", true)] {
-            assert!(matches!(plan(scene, cpu_only), Err(PlanError::CastersWithoutScene)), "{scene}");
+        for scene in ["big", "none"] {
+            assert!(matches!(plan(scene), Err(PlanError::CastersWithoutScene)), "{scene}");
         }
-        assert!(plan("city", false).is_ok() && plan("casters", false).is_ok());
+        assert!(plan("city").is_ok() && plan("casters").is_ok());
     }
 }

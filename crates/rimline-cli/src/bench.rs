@@ -279,7 +279,13 @@ pub(crate) struct BenchArgs {
 
     /// Numbers of lights [default: 1, 8 and 32; for stress scenes 8]. `casters`, `still` and `moving` always have 5,
     /// `house` 9, `city` and `big` 1, and `crowd` 32
-    #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(
+        long,
+        value_name = "N,N,…",
+        value_delimiter = ',',
+        value_parser = clap::value_parser!(u16).range(1..=1024),
+        conflicts_with = "light",
+    )]
     pub(crate) lights: Option<Vec<u16>>,
 
     /// The largest number of counted runs of each method. Slow rows have fewer, but at least 5 (quick: 3) [default: 21
