@@ -240,7 +240,7 @@ pub(crate) struct ShadowArgs {
         value_name = "SIDE",
         num_args = 0..=1,
         default_missing_value = "1024",
-        value_parser = clap::value_parser!(u32).range(3..=4096),
+        value_parser = spec::map_side,
         conflicts_with_all = ["method", "hide_covered"],
         group = "depth_maps",
     )]
