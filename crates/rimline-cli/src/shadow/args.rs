@@ -11,6 +11,7 @@ use rimline_picture::Mode;
 use crate::coordinates::Coordinate;
 use crate::failure::Failure;
 use crate::input_args::{JobsArgs, MomentArgs, ReadArgs, ViewArgs, drawing_device, verbatim};
+use crate::output::note;
 use crate::spec::{self, AreaSpec, ShadedLightSpec};
 
 /// A value of an option, its name and its help.
@@ -300,11 +301,17 @@ pub(crate) struct ShadowArgs {
 }
 
 impl ShadowArgs {
-    /// Refuses options that do not go together and that clap cannot tell.
+    /// Refuses options that do not go together and that clap cannot tell. Warns of options without effect.
     pub(crate) fn check(&self) -> Result<(), Failure> {
-        self.scene.check()?;
+        let scene = &self.scene;
+        scene.check()?;
+        let of_picture =
+            [("--mode", scene.mode != Mode::Additive), ("--plain", scene.plain), ("--volumes", scene.volumes)];
+        for (option, _) in of_picture.into_iter().filter(|(_, is_given)| *is_given && self.out.is_none()) {
+            note(&format!("warning: {option} has no effect on masks; give --out for a picture, too"));
+        }
         for (option, is_given) in [("--from-depth", self.from_depth.is_some()), ("--depth", self.depth.is_some())] {
-            if is_given && self.scene.view.ortho {
+            if is_given && scene.view.ortho {
                 return Err(not_orthographic(option));
             }
         }
@@ -325,7 +332,7 @@ impl ShadowArgs {
             ("--depth", self.depth.is_some()),
             ("--save-depth", self.save_depth.is_some()),
         ] {
-            if is_given && self.scene.has_radius() {
+            if is_given && scene.has_radius() {
                 return Err(Failure::usage(format!(
                     "{option} takes lights without an area; leave out {option}, or radius="
                 )));
@@ -375,6 +382,7 @@ stages).";
     after_help = FILM_REMARKS,
     mut_arg("device", drawing_device),
     mut_arg("animations", film_animation),
+    mut_arg("time", |time| time.help("The time of the first picture in seconds, for animations and for `displace`")),
 )]
 pub(crate) struct FilmArgs {
     #[command(flatten)]
@@ -384,7 +392,8 @@ pub(crate) struct FilmArgs {
     #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = spec::within(1e-3, 1e5))]
     pub(crate) fps: Option<f32>,
 
-    /// The number of pictures. By default the film lasts as long as the longest animation
+    /// The number of pictures. By default the film lasts as long as the longest animation. After the end of an animation
+    /// the models stand still
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_FRAMES))]
     pub(crate) frames: Option<u32>,
 
