@@ -197,7 +197,7 @@ fn check(device: &str) -> Outcome {
 /// Two faces with an edge from close to the eye to far away, which runs from its far end to its near one. Measured from the far
 /// end, rounding moves every third point near the other behind its own face.
 fn long() -> Outcome {
-    let corners = [[0.5, 1.5, 0.7], [-32.0, -921.0, -1181.0], [1.8, 2.4, 0.6], [1.5, 2.2, -0.1]];
+    let corners: [[f32; 3]; 4] = [[0.5, 1.5, 0.7], [-32.0, -921.0, -1181.0], [1.8, 2.4, 0.6], [1.5, 2.2, -0.1]];
     let [near, far] = [0, 1].map(|end: usize| DVec3::from(corners[end].map(f64::from)));
     let picture = draw(&npz_mesh(&corners, &[[1, 0, 3], [0, 1, 2]]), &format!("{} --device gpu", view()))?;
     let is_blank = |metres: &f64| {
