@@ -229,7 +229,7 @@ fn is_report(page: &Path) -> bool {
 }
 
 #[derive(Args, Debug)]
-#[command(help_template = verbatim(EXAMPLES), after_help = REMARKS)]
+#[command(help_template = verbatim(EXAMPLES), after_help = REMARKS, mut_arg("device", measured_device))]
 pub(crate) struct BenchArgs {
     /// A model to measure instead of meshes and scenes made by code: a .gltf, .glb, .obj, .ply, .stl or .npz file. It is measured
     /// at rest
@@ -305,6 +305,14 @@ pub(crate) struct BenchArgs {
     /// Print the JSON Schema of the data and measure nothing
     #[arg(long)]
     pub(crate) schema: bool,
+}
+
+/// Help of `--device` where software GPUs are measured like others.
+fn measured_device(arg: clap::Arg) -> clap::Arg {
+    arg.help(
+        "Where to measure: `auto` (any GPU, software GPUs included, else the CPU), `gpu`, `cpu`, or a part of a device's name or \
+         backend (`rimline devices` lists them)",
+    )
 }
 
 const EXAMPLES: &str = "\

@@ -10,6 +10,7 @@ use rimline_picture::Mode;
 
 use crate::coordinates::Coordinate;
 use crate::failure::Failure;
+use crate::files::is_standard;
 use crate::input_args::{JobsArgs, MomentArgs, ReadArgs, ViewArgs, drawing_device, verbatim};
 use crate::output::note;
 use crate::spec::{self, AreaSpec, ShadedLightSpec};
@@ -316,16 +317,23 @@ impl ShadowArgs {
             }
         }
         for (option, prefix) in [("--mask", &self.mask), ("--save-depth", &self.save_depth)] {
-            let is_folder =
-                |path: &&PathBuf| path.is_dir() || path.to_string_lossy().ends_with(std::path::is_separator);
-            if let Some(folder) = prefix.as_ref().filter(is_folder) {
+            let Some(prefix) = prefix else { continue };
+            let is_picture = option == "--mask" && prefix.extension().is_some_and(|it| it.eq_ignore_ascii_case("png"));
+            let (what, better) = if is_standard(prefix) {
+                ("standard output", PathBuf::from("light"))
+            } else if prefix.is_dir() || prefix.to_string_lossy().ends_with(std::path::is_separator) {
                 // The files would lie beside the folder, or their names would begin with a dot.
-                return Err(Failure::usage(format!(
-                    "{option} is the beginning of files' names, and {} is the name of a folder; give one such as {}",
-                    folder.display(),
-                    folder.join("light").display()
-                )));
-            }
+                ("the name of a folder", prefix.join("light"))
+            } else if is_picture {
+                ("the name of a picture", prefix.with_extension(""))
+            } else {
+                continue;
+            };
+            return Err(Failure::usage(format!(
+                "{option} is the beginning of files' names, and {} is {what}; give one such as {}",
+                prefix.display(),
+                better.display()
+            )));
         }
         for (option, is_given) in [
             ("--hide-covered", self.hide_covered),
