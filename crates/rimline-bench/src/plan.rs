@@ -35,15 +35,20 @@ pub struct Options {
 
 #[derive(Debug, thiserror::Error)]
 pub enum PlanError {
-    #[error("there is nothing to measure; give --meshes or --scenes a value other than `none`, or --frames on a GPU")]
+    #[error(
+        "there is nothing to measure; give numbers to --meshes, or stress scenes to --scenes; on a GPU also scenes of casters, or \
+         a number to --frames"
+    )]
     Nothing,
     #[error("there is no scene `{wanted}`; there are {there}, `all` and `none`")]
     Scene { wanted: String, there: String },
     #[error(
-        "--casters is for the scenes `casters`, `still`, `city`, `crowd`, `moving` and `house`, which --scenes leaves out; add one of \
-         them to --scenes"
+        "--casters is for the scenes `casters`, `still`, `city`, `crowd`, `moving` and `house`, and none of them is measured; \
+         name some in --scenes, or leave --casters out"
     )]
     CastersWithoutScene,
+    #[error("{what} needs a GPU; leave it out, or leave out `--device cpu`")]
+    NeedsGpu { what: String },
 }
 
 #[derive(Clone, Debug)]
@@ -114,6 +119,9 @@ impl Plan {
         let Options { quick, cpu_only, .. } = options;
         let usual = |all: &[usize], few: &[usize]| if quick { few.to_vec() } else { all.to_vec() };
         let wanted = each_once(wanted(&options)?);
+        if cpu_only {
+            check_on_cpu(&options)?;
+        }
         let of_skipping: Vec<&str> = wanted.iter().filter(|name| SKIPPING.contains(name)).copied().collect();
         let has_casters = wanted.contains(&CASTERS);
         let casters = options.casters.clone().map(each_once);
@@ -214,16 +222,28 @@ fn wanted(options: &Options) -> Result<Vec<&'static str>, PlanError> {
         None if options.model.is_some() => return Ok(Vec::new()),
         None if options.quick => return Ok(QUICK_SCENES.into_iter().chain([CASTERS]).chain(SKIPPING).collect()),
         None => return Ok(names().collect()),
-        Some([one]) if one == "all" => return Ok(names().collect()),
-        Some([one]) if one == "none" => return Ok(Vec::new()),
         Some(wanted) => wanted,
     };
     let known = |wanted: &String| {
-        names()
-            .find(|name| name == wanted)
-            .ok_or_else(|| PlanError::Scene { wanted: wanted.clone(), there: names().collect::<Vec<_>>().join(", ") })
+        let found: Vec<_> = names().filter(|name| wanted == "all" || name == wanted).collect();
+        if found.is_empty() && wanted != "none" {
+            return Err(PlanError::Scene { wanted: wanted.clone(), there: names().collect::<Vec<_>>().join(", ") });
+        }
+        Ok(found)
     };
-    wanted.iter().map(known).collect()
+    Ok(wanted.iter().map(known).collect::<Result<Vec<_>, _>>()?.concat())
+}
+
+/// Refuses what the options name and only a GPU measures.
+fn check_on_cpu(options: &Options) -> Result<(), PlanError> {
+    let mut scenes = options.scenes.iter().flatten().map(String::as_str);
+    let what = match scenes.find(|name| *name == CASTERS || SKIPPING.contains(name)) {
+        Some(scene) => format!("the scene `{scene}`"),
+        None if options.casters.as_ref().is_some_and(|all| !all.is_empty()) => "--casters".to_owned(),
+        None if options.frames.is_some_and(|frames| frames > 0) => "--frames".to_owned(),
+        None => return Ok(()),
+    };
+    Err(PlanError::NeedsGpu { what })
 }
 
 #[cfg(test)]
@@ -249,6 +269,10 @@ mod tests {
             (plan.jobs.iter().map(Job::title).collect::<Vec<_>>(), plan.rows())
         };
         assert_eq!(plan(&["city", "plate-third", "city", "plate-third"], 2), plan(&["city", "plate-third"], 1));
+        assert_eq!(plan(&["city", "none"], 1), plan(&["city"], 1));
+        let (all, city_first) = (plan(&["all"], 1), plan(&["city", "all"], 1));
+        assert_eq!(all.1, city_first.1);
+        assert!(all.0.iter().all(|job| city_first.0.contains(job)));
     }
 
     #[test]
@@ -257,7 +281,9 @@ mod tests {
             let (scenes, casters) = (Some(vec![scene.to_owned()]), Some(vec![3]));
             Plan::new(Options { scenes, casters, meshes: Some(Vec::new()), frames: Some(0), ..Options::default() })
         };
-        assert!(matches!(plan("big"), Err(PlanError::CastersWithoutScene)));
+        for scene in ["big", "none"] {
+            assert!(matches!(plan(scene), Err(PlanError::CastersWithoutScene)), "{scene}");
+        }
         assert!(plan("city").is_ok() && plan("casters").is_ok());
     }
 }

@@ -192,7 +192,7 @@ impl Destination {
         for (name, bytes) in results.report().map_err(|error| failure(error, None))? {
             Output::create(&folder.join(name))?.finish(|output| output.write_all(&bytes))?;
         }
-        note(&format!("wrote {}", folder.join("index.html").display()));
+        note(&format!("wrote the report; open {}", folder.join("index.html").display()));
         Ok(())
     }
 }
@@ -205,16 +205,16 @@ fn chart_files() -> impl Iterator<Item = String> {
 /// not a report's.
 fn check_report_folder(folder: &Path) -> Result<(), Failure> {
     let names = ["index.html", "data.json"].map(str::to_owned).into_iter().chain(chart_files());
-    let there = names.map(|name| folder.join(name)).find(|file| file.symlink_metadata().is_ok());
-    match there {
-        Some(file) if !is_report(&folder.join("index.html")) => Err(Failure::usage(format!(
-            "{} has {}, which is not of a report of `rimline bench` and would be replaced; move it away, or \
-             choose another folder",
-            folder.display(),
-            file.display()
-        ))),
-        _ => Ok(()),
+    let there: Vec<String> = names.filter(|name| folder.join(name).symlink_metadata().is_ok()).collect();
+    if there.is_empty() || is_report(&folder.join("index.html")) {
+        return Ok(());
     }
+    Err(Failure::usage(format!(
+        "{} has files that are not of a report of `rimline bench` and would be replaced: {}; choose another folder, or \
+         move them away",
+        folder.display(),
+        there.join(", ")
+    )))
 }
 
 /// Whether a page is one that this command wrote: its head has the title.
@@ -229,7 +229,7 @@ fn is_report(page: &Path) -> bool {
 }
 
 #[derive(Args, Debug)]
-#[command(help_template = verbatim(EXAMPLES), after_help = REMARKS)]
+#[command(help_template = verbatim(EXAMPLES), after_help = REMARKS, mut_arg("device", measured_device))]
 pub(crate) struct BenchArgs {
     /// A model to measure instead of meshes and scenes made by code: a .gltf, .glb, .obj, .ply, .stl or .npz file. It is measured
     /// at rest
@@ -279,7 +279,13 @@ pub(crate) struct BenchArgs {
 
     /// Numbers of lights [default: 1, 8 and 32; for stress scenes 8]. `casters`, `still` and `moving` always have 5,
     /// `house` 9, `city` and `big` 1, and `crowd` 32
-    #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(
+        long,
+        value_name = "N,N,…",
+        value_delimiter = ',',
+        value_parser = clap::value_parser!(u16).range(1..=1024),
+        conflicts_with = "light",
+    )]
     pub(crate) lights: Option<Vec<u16>>,
 
     /// The largest number of counted runs of each method. Slow rows have fewer, but at least 5 (quick: 3) [default: 21
@@ -299,6 +305,14 @@ pub(crate) struct BenchArgs {
     /// Print the JSON Schema of the data and measure nothing
     #[arg(long)]
     pub(crate) schema: bool,
+}
+
+/// Help of `--device` where software GPUs are measured like others.
+fn measured_device(arg: clap::Arg) -> clap::Arg {
+    arg.help(
+        "Where to measure: `auto` (any GPU, software GPUs included, else the CPU), `gpu`, `cpu`, or a part of a device's name or \
+         backend (`rimline devices` lists them)",
+    )
 }
 
 const EXAMPLES: &str = "\

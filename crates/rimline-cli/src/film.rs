@@ -12,8 +12,8 @@ use crate::camera::swept;
 use crate::device::{Gpu, On as _, describe};
 use crate::failure::Failure;
 use crate::image::Picture;
-use crate::input::{Input, settle};
-use crate::output::{Progress, print, say};
+use crate::input::{Input, note_idle_time, settle};
+use crate::output::{Progress, note, print, say};
 use crate::shadow;
 use crate::shadow::args::{FilmArgs, MAX_FRAMES};
 use crate::shadow::casters::Casters;
@@ -37,11 +37,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let mut film = begin(args)?;
     let progress = Progress::start();
     progress.step("reading the models");
-    let mut props = ShadowInputs::read(scene)?;
-    if scene.posed.pose.animations.is_empty() && props.displacement.is_none() {
-        props.inputs.iter_mut().for_each(take_first_animation);
-    }
-    settle(&mut props.inputs, scene.posed.pose.time)?;
+    let props = read(args)?;
     let frames = frames(args, &props)?;
     film.start(frames, &props.files(scene).collect::<Vec<_>>())?;
 
@@ -99,9 +95,25 @@ fn begin(args: &FilmArgs) -> Result<Box<dyn Film + '_>, Failure> {
     })
 }
 
+/// Reads the models, and says which options have no effect on them.
+fn read(args: &FilmArgs) -> Result<ShadowInputs, Failure> {
+    let pose = &args.scene.posed.pose;
+    let mut props = ShadowInputs::read(&args.scene)?;
+    if pose.animations.is_empty() && props.displacement.is_none() {
+        props.inputs.iter_mut().for_each(take_first_animation);
+    }
+    settle(&mut props.inputs, pose.time)?;
+    let is_moving = props.is_moving();
+    note_idle_time(pose, is_moving);
+    if !is_moving && args.fps.is_some() && args.frames.is_some() && Format::of(&args.out).is_none() {
+        note("warning: --fps has no effect on numbered pictures where only the camera moves, as --frames counts them");
+    }
+    Ok(props)
+}
+
 /// The time of a picture.
 fn time_of(args: &FilmArgs, frame: u32) -> f32 {
-    args.scene.posed.pose.time + (f64::from(frame) / f64::from(args.fps)) as f32
+    args.scene.posed.pose.time + (f64::from(frame) / f64::from(args.fps())) as f32
 }
 
 /// Points that the camera must see: those of the bodies at some times of the film, for an orbit at all turns.
@@ -124,7 +136,7 @@ fn points_in_motion(
 
 fn report(args: &FilmArgs, gpu: &Gpu, frames: u32) -> String {
     let report = json!({
-        "adapter": describe(&gpu.info), "out": args.out.display().to_string(), "frames": frames, "fps": args.fps,
+        "adapter": describe(&gpu.info), "out": args.out.display().to_string(), "frames": frames, "fps": args.fps(),
         "size": args.scene.view.size,
     });
     format!("{report:#}\n")
@@ -163,7 +175,7 @@ fn frames(args: &FilmArgs, props: &ShadowInputs) -> Result<u32, Failure> {
              the number of pictures with --frames"
         })
     })?;
-    let frames = (f64::from(seconds) * f64::from(args.fps)).round().max(1.0);
+    let frames = (f64::from(seconds) * f64::from(args.fps())).round().max(1.0);
     if frames > MAX_FRAMES as f64 {
         return Err(Failure::usage(format!(
             "a film of {} pictures is too long; at most {MAX_FRAMES} are written",

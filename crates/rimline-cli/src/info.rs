@@ -17,7 +17,7 @@ use crate::args::InfoArgs;
 use crate::coordinates::{self, add_origin, origin_text};
 use crate::failure::Failure;
 use crate::input::Input;
-use crate::output::{Line, print};
+use crate::output::{Line, note, print};
 use crate::report::Times;
 use report::{INWARD, MeshReport, kind_name};
 pub(crate) use seams::Seams;
@@ -30,6 +30,9 @@ pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
     let input = Input::at_rest(&args.model.file, &options)?;
     let lights = input.lights(&args.lights, 0.0)?;
     let report = Report::new(&input, &lights)?;
+    if !lights.is_empty() && report.polygons.is_none() {
+        note(&format!("warning: {}: --light has no effect, because all faces are triangles", input.file.display()));
+    }
     print(&if args.json { format!("{:#}\n", report.json(&input)?) } else { report.text(&input)? })
 }
 

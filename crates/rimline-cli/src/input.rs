@@ -373,8 +373,8 @@ pub(crate) fn read_displacement(file: &Path) -> Result<Displacement, Failure> {
 }
 
 /// Tells whoever gives a time that nothing moves with it.
-pub(crate) fn note_idle_time(pose: &PoseArgs, is_playing: bool, displacement: Option<&Displacement>) {
-    if pose.time != 0.0 && !is_playing && displacement.is_none() {
+pub(crate) fn note_idle_time(pose: &PoseArgs, is_moving: bool) {
+    if pose.time != 0.0 && !is_moving {
         note("warning: --time has no effect without --animation or --displace");
     }
 }
@@ -404,7 +404,7 @@ impl<'a> PosedInput<'a> {
         let mut input = Input::read(&model.file, &model.read.options())?;
         play(std::slice::from_mut(&mut input), &args.pose)?;
         settle(std::slice::from_mut(&mut input), args.pose.time)?;
-        note_idle_time(&args.pose, !input.playing.is_empty(), displacement.as_ref());
+        note_idle_time(&args.pose, displacement.is_some() || !input.playing.is_empty());
         Ok(Self { args, input, displacement })
     }
 

@@ -224,7 +224,7 @@ impl Many {
         let Entries(entries) = serde_json::from_str(line).map_err(|error| {
             let text = error.to_string();
             let text = text.split_once(" at line ").map_or(&*text, |(text, _)| text);
-            format!("column {}: {text}", error.column())
+            format!("column {}: {text}; a line is one JSON object, such as {{\"file\": \"a.obj\"}}", error.column())
         })?;
         let mut options = Options::new();
         for (key, value) in entries {

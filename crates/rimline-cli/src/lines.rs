@@ -182,7 +182,7 @@ fn read(args: &LinesArgs) -> Result<Vec<Input>, Failure> {
     let mut inputs = args.files.iter().map(|file| Input::read(file, &options)).collect::<Result<Vec<_>, _>>()?;
     play(&mut inputs, &args.pose)?;
     settle(&mut inputs, args.pose.time)?;
-    note_idle_time(&args.pose, inputs.iter().any(|input| !input.playing.is_empty()), None);
+    note_idle_time(&args.pose, inputs.iter().any(|input| !input.playing.is_empty()));
     Ok(inputs)
 }
 
@@ -200,10 +200,12 @@ impl Format {
         let ending = args.out.extension().and_then(|ending| ending.to_str()).map(str::to_lowercase);
         let named = ending.and_then(|ending| Self::from_str(&ending, false).ok());
         let format = args.format.or(named).ok_or_else(|| {
-            Failure::usage(format!(
-                "{}: no format is known by this name; end it in .svg, .pdf, .dxf, .json or .png, or give --format",
-                args.out.display()
-            ))
+            let advice = if args.out.is_dir() {
+                "it is a folder; give the name of a file that ends in .svg, .pdf, .dxf, .json or .png"
+            } else {
+                "no format is known by this name; end it in .svg, .pdf, .dxf, .json or .png, or give --format"
+            };
+            Failure::usage(format!("{}: {advice}", args.out.display()))
         })?;
         check_ending(&args.out, format.names().0)?;
         Ok(format)

@@ -45,8 +45,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     progress.step("reading the models");
     let mut props = times.measure("load", || ShadowInputs::read(scene))?;
     let origin = times.measure("load", || settle(&mut props.inputs, scene.posed.pose.time))?;
-    let is_playing = props.inputs.iter().any(|input| !input.playing.is_empty());
-    note_idle_time(&scene.posed.pose, is_playing, props.displacement.as_ref());
+    note_idle_time(&scene.posed.pose, props.is_moving());
     let from_depth = times.measure("load", || FromDepth::of(args, origin))?;
     let given = from_depth.as_ref().and_then(|from| from.given.as_deref());
     let inputs = Inputs::new(props.files(scene).chain(args.depth.as_deref()));

@@ -219,6 +219,14 @@ pub(crate) fn within(least: f32, most: f32) -> impl Fn(&str) -> Result<f32, Stri
     }
 }
 
+/// The texels along a side of a depth map.
+pub(crate) fn map_side(text: &str) -> Result<u32, String> {
+    let no_side =
+        |_| format!("`{text}` is no number of texels; give each FILE before --from-depth, or write --from-depth=1024");
+    let side = text.parse::<u32>().map_err(no_side)?;
+    checked(side, (3..=4096).contains(&side), format!("{side} is not in 3..=4096"))
+}
+
 pub(crate) fn detector(text: &str) -> Result<DepthMapMethod, String> {
     match text.split_once('=') {
         None if text == "every" => Ok(DepthMapMethod::EveryCell),
@@ -307,6 +315,9 @@ pub(crate) fn coordinate(text: &str) -> Result<Coordinate, String> {
 }
 
 fn no_number(text: &str) -> String {
+    if text.is_empty() {
+        return "a number is missing; write all with commas between them, and without spaces".to_owned();
+    }
     format!("`{text}` is not a number")
 }
 

@@ -36,13 +36,13 @@ pub enum FileError {
     Gltf(GltfError),
     /// It takes more memory than [`ReadOptions::memory_limit`](crate::ReadOptions::memory_limit).
     #[error(
-        "{what}: reading it takes at least {} of memory, more than the limit of {}; if it is meant to be that large, give \
-         a larger --memory-limit", size(*.needed), size(*.limit)
+        "{what}: this needs a --memory-limit of at least {}, and the limit is {}; give a larger one if it is meant to be \
+         that large", size(*.needed), size(*.limit)
     )]
     TooLarge {
         /// A part of it, or a file that it names.
         what: String,
-        /// Bytes.
+        /// The least limit that allows it, in bytes.
         needed: u64,
         /// Bytes.
         limit: u64,

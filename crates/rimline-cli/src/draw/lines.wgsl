@@ -42,6 +42,15 @@ fn last_texel() -> vec2<i32> {
   return frame.survey_scale * vec2<i32>(frame.size) - 1;
 }
 
+// The point at a share of the way from `p` to `q`, which are relative to the eye. It is measured from `q` if `p` is many times
+// farther away: the rounding of such a long way would move a point near `q` off the line.
+fn between(p: vec3<f32>, q: vec3<f32>, share: f32) -> vec3<f32> {
+  if (64.0 * dot(q, q) < dot(p, p)) {
+    return q + (1.0 - share) * (p - q);
+  }
+  return p + share * (q - p);
+}
+
 // How far from a point's texel, along x and y, the faces of other texels count for it, in texels.
 fn reach() -> i32 {
   return 3 * frame.survey_scale / 2;
@@ -99,13 +108,13 @@ fn texel_at(at: vec2<f32>) -> vec2<i32> {
   }
   if (a.z < frame.near) {
     let t = (frame.near - a.z) / (b.z - a.z);
-    p = mix(p, q, t);
-    a = mix(a, b, t);
+    p = between(p, q, t);
+    a = between(a, b, t);
     a.z = frame.near;
   } else if (b.z < frame.near) {
     let t = (frame.near - b.z) / (a.z - b.z);
-    q = mix(q, p, t);
-    b = mix(b, a, t);
+    q = between(q, p, t);
+    b = between(b, a, t);
     b.z = frame.near;
   }
   let start = to_pixels(a);
@@ -133,8 +142,8 @@ fn position(face: u32, corner: u32) -> vec3<f32> {
 }
 
 // A bound on the rounding error of a product of lengths, as a share of it. In units of 2^-23 a position relative to the eye is
-// off by 2, the point by 5 (its length is at most the square root of 3) unless its edge is many times longer, a normal by 6 of
-// the product of its sides, the last product by 3.
+// off by 2, the point by 5 (its length is at most the square root of 3), a normal by 6 of the product of its sides, the last
+// product by 3. A point amid an edge that is many times longer is off by more, but so long are the sides of the edge's faces, too.
 const ERROR = 12.0 / 8388608.0;
 
 // Whether the ray to `p` certainly passes an edge on its inner side. It does not for faces seen edge-on, as many are at a
@@ -255,7 +264,7 @@ fn is_hidden(point: vec3<f32>, at: vec2<f32>) -> bool {
   var is_drawn = coverage > 0.0;
   // A branch skips the costly test, because the invocation may go on after `discard`.
   if (is_drawn) {
-    is_drawn = !is_hidden(in.from_a + along * (in.from_b - in.from_a), in.a + seen_at * span);
+    is_drawn = !is_hidden(between(in.from_a, in.from_b, along), in.a + seen_at * span);
   }
   if (!is_drawn) {
     discard;

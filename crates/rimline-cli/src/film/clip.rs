@@ -69,18 +69,18 @@ impl<'a> Clip<'a> {
                     "a GIF has at most 65535 pixels in each direction; give a smaller --size, or .apng",
                 ));
             }
-            Format::Gif if f64::from(args.fps) * GIF_DELAY < 100.0 => {
+            Format::Gif if f64::from(args.fps()) * GIF_DELAY < 100.0 => {
                 return Err(Failure::usage(
                     "a GIF shows a picture for at most 655.35 seconds; give a larger --fps, or .apng",
                 ));
             }
-            Format::Gif if args.fps > GIF_FPS => {
+            Format::Gif if args.fps() > GIF_FPS => {
                 note(&format!(
                     "warning: programs show at most {GIF_FPS} pictures of a GIF a second, so it takes longer than it \
                      says"
                 ));
             }
-            Format::Apng if args.fps > APNG_FPS => {
+            Format::Apng if args.fps() > APNG_FPS => {
                 note(&format!(
                     "warning: an animated PNG shows at most {APNG_FPS} pictures a second, so it takes longer than it says"
                 ));
@@ -98,7 +98,7 @@ impl<'a> Clip<'a> {
     }
 
     fn encoder(&self, file: File, frames: u32) -> io::Result<Encoder> {
-        let (size @ [width, height], fps) = (self.args.scene.view.size, self.args.fps);
+        let (size @ [width, height], fps) = (self.args.scene.view.size, self.args.fps());
         let file = BufWriter::with_capacity(1 << 18, file);
         Ok(match self.format {
             Format::Gif => {
@@ -133,7 +133,7 @@ impl Film for Clip<'_> {
             None => Ok(()),
             Some(Encoder::Gif(encoder)) => {
                 // Delays are rounded so that the film keeps its length, unless a picture lasts under 2 hundredths of a second.
-                let at = |frame: u32| (100.0 * f64::from(frame) / f64::from(self.args.fps)).round() as u64;
+                let at = |frame: u32| (100.0 * f64::from(frame) / f64::from(self.args.fps())).round() as u64;
                 let mut picture = gif::Frame::from_rgb_speed(width as u16, height as u16, &rgb, 10);
                 picture.delay = (at(frame + 1) - at(frame)).clamp(2, GIF_DELAY as u64) as u16;
                 encoder.write_frame(&picture).map_err(io::Error::other)

@@ -78,7 +78,8 @@ impl<'a> Frames<'a> {
 impl Film for Frames<'_> {
     /// Refuses also to stand among pictures of another film.
     fn start(&mut self, count: u32, files: &[&Path]) -> Result<(), Failure> {
-        let FilmArgs { scene, fps, orbit, out, .. } = self.args;
+        let FilmArgs { scene, orbit, out, .. } = self.args;
+        let fps = self.args.fps();
         (self.count, self.identity) = (count, identity(&format!("{scene:?} {fps} {orbit:?} {count}"), files));
         let inputs = Inputs::new(files);
         for frame in 0..count {

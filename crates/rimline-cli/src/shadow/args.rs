@@ -10,7 +10,9 @@ use rimline_picture::Mode;
 
 use crate::coordinates::Coordinate;
 use crate::failure::Failure;
+use crate::files::is_standard;
 use crate::input_args::{JobsArgs, MomentArgs, ReadArgs, ViewArgs, drawing_device, verbatim};
+use crate::output::note;
 use crate::spec::{self, AreaSpec, ShadedLightSpec};
 
 /// A value of an option, its name and its help.
@@ -240,7 +242,7 @@ pub(crate) struct ShadowArgs {
         value_name = "SIDE",
         num_args = 0..=1,
         default_missing_value = "1024",
-        value_parser = clap::value_parser!(u32).range(3..=4096),
+        value_parser = spec::map_side,
         conflicts_with_all = ["method", "hide_covered"],
         group = "depth_maps",
     )]
@@ -298,30 +300,45 @@ pub(crate) struct ShadowArgs {
 }
 
 impl ShadowArgs {
-    /// Refuses options that do not go together and that clap cannot tell.
+    /// Refuses options that do not go together and that clap cannot tell. Warns of options without effect.
     pub(crate) fn check(&self) -> Result<(), Failure> {
-        self.scene.check()?;
+        let scene = &self.scene;
+        scene.check()?;
+        let of_picture =
+            [("--mode", scene.mode != Mode::Additive), ("--plain", scene.plain), ("--volumes", scene.volumes)];
+        for (option, _) in of_picture.into_iter().filter(|(_, is_given)| *is_given && self.out.is_none()) {
+            note(&format!("warning: {option} has no effect on masks; give --out for a picture, too"));
+        }
         for (option, is_given) in [("--from-depth", self.from_depth.is_some()), ("--depth", self.depth.is_some())] {
-            if is_given && self.scene.view.ortho {
+            if is_given && scene.view.ortho {
                 return Err(not_orthographic(option));
             }
         }
         for (option, prefix) in [("--mask", &self.mask), ("--save-depth", &self.save_depth)] {
-            let given = prefix.as_ref().map(|prefix| prefix.to_string_lossy());
-            if let Some(folder) = given.filter(|prefix| prefix.ends_with(std::path::is_separator)) {
-                // The names would begin with a dot, so hardly anyone would see the files.
-                return Err(Failure::usage(format!(
-                    "{option} is the beginning of files' names, and {folder} is the name of a folder; give one such as \
-                     {folder}light"
-                )));
-            }
+            let Some(prefix) = prefix else { continue };
+            let is_picture = option == "--mask" && prefix.extension().is_some_and(|it| it.eq_ignore_ascii_case("png"));
+            let (what, better) = if is_standard(prefix) {
+                ("standard output", PathBuf::from("light"))
+            } else if prefix.is_dir() || prefix.to_string_lossy().ends_with(std::path::is_separator) {
+                // The files would lie beside the folder, or their names would begin with a dot.
+                ("the name of a folder", prefix.join("light"))
+            } else if is_picture {
+                ("the name of a picture", prefix.with_extension(""))
+            } else {
+                continue;
+            };
+            return Err(Failure::usage(format!(
+                "{option} is the beginning of files' names, and {} is {what}; give one such as {}",
+                prefix.display(),
+                better.display()
+            )));
         }
         for (option, is_given) in [
             ("--hide-covered", self.hide_covered),
             ("--depth", self.depth.is_some()),
             ("--save-depth", self.save_depth.is_some()),
         ] {
-            if is_given && self.scene.has_radius() {
+            if is_given && scene.has_radius() {
                 return Err(Failure::usage(format!(
                     "{option} takes lights without an area; leave out {option}, or radius="
                 )));
@@ -371,16 +388,18 @@ stages).";
     after_help = FILM_REMARKS,
     mut_arg("device", drawing_device),
     mut_arg("animations", film_animation),
+    mut_arg("time", |time| time.help("The time of the first picture in seconds, for animations and for `displace`")),
 )]
 pub(crate) struct FilmArgs {
     #[command(flatten)]
     pub(crate) scene: ShadowSceneArgs,
 
-    /// Pictures a second, 0.001 to 100000
-    #[arg(long, value_name = "N", default_value = "25", allow_hyphen_values = true, value_parser = spec::within(1e-3, 1e5))]
-    pub(crate) fps: f32,
+    /// Pictures a second, 0.001 to 100000 [default: 25]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = spec::within(1e-3, 1e5))]
+    pub(crate) fps: Option<f32>,
 
-    /// The number of pictures. By default the film lasts as long as the longest animation
+    /// The number of pictures. By default the film lasts as long as the longest animation. After the end of an animation
+    /// the models stand still
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_FRAMES))]
     pub(crate) frames: Option<u32>,
 
@@ -406,6 +425,12 @@ pub(crate) struct FilmArgs {
     /// Print what was written as JSON
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+impl FilmArgs {
+    pub(crate) fn fps(&self) -> f32 {
+        self.fps.unwrap_or(25.0)
+    }
 }
 
 /// Help of `--animation` where something should move.

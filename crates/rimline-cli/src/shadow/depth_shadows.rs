@@ -4,8 +4,8 @@
 use std::sync::Arc;
 
 use rimline::gpu::depth_map::{
-    DepthCubeMaps, DepthMap, DepthMapCube, DepthMapError, DepthMapFrame, DepthMapPipelines, DepthMapTexture,
-    DepthMapVolumes, DepthMetric, MeshDepth,
+    DepthCubeMaps, DepthMap, DepthMapCube, DepthMapError, DepthMapFrame, DepthMapMethod, DepthMapPipelines,
+    DepthMapTexture, DepthMapVolumes, DepthMetric, MeshDepth,
 };
 use rimline::gpu::{ShadowStatistics, StageTimer};
 use rimline::{DepthDirection, Origin, ShadowCamera, wgpu};
@@ -122,7 +122,8 @@ impl Shadows for DepthShadows<'_> {
             Ok::<_, GpuError>(DepthFound { maps: maps.views.len(), listed: self.gpu.read_first(cells)?, capacity })
         };
         let lights = self.lights.iter().map(found).collect::<Result<_, _>>()?;
-        Ok(Some(DepthsFound { size: self.from.size, has_walls: self.from.has_walls(), lights }))
+        let takes_every = self.from.method == DepthMapMethod::EveryCell;
+        Ok(Some(DepthsFound { size: self.from.size, takes_every, has_walls: self.from.has_walls(), lights }))
     }
 
     fn shown_maps(&self, light: usize) -> Option<ShownDepths<'_>> {

@@ -140,35 +140,40 @@ impl DepthFound {
 const BUSY: u64 = 1 << 20;
 
 impl DepthsFound {
-    /// Warns if more than `BUSY` cells are drawn, such as for a map of noise: each bounds a volume as long as the shadow.
-    /// Returns a line of progress then.
+    /// Returns a line of progress if more than `BUSY` cells are drawn. Warns if a detector found so many, as it does for a map
+    /// of noise: each bounds a volume as long as the shadow.
     pub(crate) fn warn_if_busy(&self, progress: &Progress) -> Option<String> {
         let (drawn, cells) = self.busy()?;
-        progress.aside(|| {
-            note(&format!(
-                "warning: {drawn} of the {cells} cells of the depth maps hold a border of the shadow, as if they were \
-                 noise, and each is drawn through all of the picture, which may take minutes; a smaller map, a \
-                 --detector that tells surfaces from noise, such as differences=T, or a smaller --size takes less"
-            ));
-        });
+        if !self.takes_every {
+            progress.aside(|| {
+                note(&format!(
+                    "warning: {drawn} of the {cells} cells of the depth maps hold a border of the shadow, as if they were \
+                     noise, and each is drawn through all of the picture, which may take minutes; a smaller map, a \
+                     --detector that tells surfaces from noise, such as differences=T, or a smaller --size takes less"
+                ));
+            });
+        }
         Some(format!("drawing {drawn} borders of shadow, which takes long"))
     }
 
     /// The numbers of drawn cells or walls, and of all cells, if drawing takes long.
     fn busy(&self) -> Option<(u64, u64)> {
-        // Cells lie between texels and around the outermost. Six maps have slightly fewer: (side − 1)² each.
-        let of_map = self.size.map(|side| u64::from(side) + 1).into_iter().product::<u64>();
-        let cells: u64 = self.lights.iter().map(|found| found.maps as u64 * of_map).sum();
+        // Cells lie between texels, and of one map also around the outermost.
+        let of_light = |found: &DepthFound| {
+            let side = |side: u32| if found.maps == 1 { u64::from(side) + 1 } else { u64::from(side) - 1 };
+            found.maps as u64 * self.size.map(side).into_iter().product::<u64>()
+        };
         // If the list overflowed, every cell is drawn.
-        let drawn =
-            |found: &DepthFound| if found.is_overflowed() { found.maps as u64 * of_map } else { found.listed.into() };
+        let drawn = |found: &DepthFound| if found.is_overflowed() { of_light(found) } else { found.listed.into() };
         let drawn = self.lights.iter().map(drawn).sum();
-        (drawn > BUSY).then_some((drawn, cells))
+        (drawn > BUSY).then(|| (drawn, self.lights.iter().map(of_light).sum()))
     }
 }
 
 pub(crate) struct DepthsFound {
     pub(crate) size: [u32; 2],
+    /// Whether the detector takes every cell that a surface crosses.
+    pub(crate) takes_every: bool,
     pub(crate) has_walls: bool,
     pub(crate) lights: Vec<DepthFound>,
 }
@@ -342,16 +347,18 @@ mod tests {
 
     #[test]
     fn maps_that_are_borders_all_over_are_busy() {
-        let found = |listed, capacity, side| DepthsFound {
+        let found = |maps, listed, capacity, side| DepthsFound {
             size: [side; 2],
+            takes_every: false,
             has_walls: false,
-            lights: vec![DepthFound { maps: 1, listed, capacity }],
+            lights: vec![DepthFound { maps, listed, capacity }],
         };
-        assert_eq!(found(50_000, 100_000, 4096).busy(), None);
-        assert_eq!(found(1000, 500, 512).busy(), None);
-        for (listed, capacity, drawn) in [(12_000_000, 16_000_000, 12_000_000), (12_000_000, 500_000, 4097 * 4097)] {
-            let busy = found(listed, capacity, 4096).busy();
-            assert_eq!(busy, Some((drawn, 4097 * 4097)));
+        assert_eq!(found(1, 50_000, 100_000, 4096).busy(), None);
+        assert_eq!(found(1, 1000, 500, 512).busy(), None);
+        for (maps, cells) in [(1, 4097 * 4097), (6, 6 * 4095 * 4095)] {
+            for (capacity, drawn) in [(16_000_000, 12_000_000), (500_000, cells)] {
+                assert_eq!(found(maps, 12_000_000, capacity, 4096).busy(), Some((drawn, cells)));
+            }
         }
     }
 }

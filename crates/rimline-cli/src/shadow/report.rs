@@ -211,7 +211,7 @@ fn occlusion_json(statistics: OcclusionStatistics) -> Value {
 
 /// The maps of a light, whose `samples` are these of all samples.
 fn depth_map_json(found: &DepthsFound, light: &ShadedLight, samples: Range<usize>) -> Value {
-    let DepthsFound { size, has_walls, lights } = found;
+    let DepthsFound { size, has_walls, lights, .. } = found;
     let found: Vec<DepthFound> = samples.filter_map(|sample| lights.get(sample).copied()).collect();
     let each = |value: fn(&DepthFound) -> Value| per_sample(light, found.iter().map(value));
     let side = (size[0] == size[1]).then_some(size[0]);

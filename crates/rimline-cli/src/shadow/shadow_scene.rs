@@ -47,6 +47,11 @@ impl ShadowInputs {
         Ok(Self { inputs, displacement })
     }
 
+    /// Whether positions depend on the time.
+    pub(crate) fn is_moving(&self) -> bool {
+        self.displacement.is_some() || self.inputs.iter().any(|input| !input.playing.is_empty())
+    }
+
     /// The files that were read, and those that models name.
     pub(crate) fn files<'a>(&'a self, args: &'a ShadowSceneArgs) -> impl Iterator<Item = &'a Path> {
         self.inputs.iter().flat_map(Input::files).chain(args.posed.displace.as_deref())
@@ -138,7 +143,7 @@ impl<'a> ShadowScene<'a> {
             _ => camera.near = args.near.unwrap_or_else(|| near(&camera, &stage, &points, axis)),
         }
         if camera.far.is_none() {
-            check_near(camera.near, farthest(&camera, &stage))?;
+            check_near(camera.near, farthest(&camera, &stage), args.near.is_some())?;
         }
         Ok(Self { args, bodies, stage, shaded_lights, camera, part: Part::WHOLE, reach })
     }
@@ -295,11 +300,16 @@ fn farthest(camera: &Camera, stage: &SceneBounds) -> f32 {
     stage.models.corners().map(ahead).into_iter().fold(0.0, f32::max) + stage.models.extent()
 }
 
-/// Refuses a near plane that is so near that depths lose bits: devices flush slopes of depth that are no normal numbers.
-fn check_near(near: f32, farthest: f32) -> Result<(), Failure> {
+/// Refuses a near plane that is so near that depths lose bits: devices flush slopes of depth that are no normal numbers. One that
+/// `is_given` must not be beyond what it should show, either.
+fn check_near(near: f32, farthest: f32, is_given: bool) -> Result<(), Failure> {
     // Slopes of depths above 2⁻¹⁰⁴ keep 22 bits.
     let least = farthest * 2.0_f32.powi(-104);
-    if near < least {
+    if is_given && near > farthest {
+        Err(Failure::usage(format!(
+            "--near {near:e} is beyond the models, which end before {farthest}; give less, or the picture shows none of them"
+        )))
+    } else if near < least {
         Err(Failure::usage(format!(
             "--near {near:e} is too near: depths of what lies {farthest} away leave the normal range of \
              32-bit floats; give {least:.1e} or more"

@@ -14,6 +14,7 @@ use super::{Outcome, Test, ensure};
 pub(crate) const TESTS: &[Test] = &[
     ("outlines::touching_boxes_have_whole_outlines", || check("gpu")),
     ("outlines::a_smooth_body_has_no_gap_at_its_border", smooth),
+    ("outlines::an_edge_that_ends_far_away_has_a_whole_line", long),
 ];
 
 /// The same on OpenGL, ignored by name where there is none.
@@ -165,15 +166,19 @@ fn compare(picture: &Image, points: &[([f64; 2], Seen)]) -> Outcome {
     Ok(())
 }
 
+/// The options of the picture that [`project`] is of.
+fn view() -> String {
+    let list = |numbers: [f64; 3]| numbers.map(|c| c.to_string()).join(",");
+    let [width, height] = SIZE;
+    format!("--size {width}x{height} --eye {} --target {} --fov {FOV}", list(EYE), list(TARGET))
+}
+
 fn check(device: &str) -> Outcome {
     let points = expected();
     let count = |wanted| points.iter().filter(|(_, seen)| *seen == wanted).count();
     ensure!(count(Seen::Visible) > 8000, "only {} visible points", count(Seen::Visible));
     ensure!(count(Seen::Undecided) < points.len() / 20, "{} points are left open", count(Seen::Undecided));
-    let list = |numbers: [f64; 3]| numbers.map(|c| c.to_string()).join(",");
-    let [width, height] = SIZE;
-    let view = format!("--size {width}x{height} --eye {} --target {} --fov {FOV}", list(EYE), list(TARGET));
-    let picture = draw(&model_of(&triangles(&boxes())), &format!("{view} --device {device}"))?;
+    let picture = draw(&model_of(&triangles(&boxes())), &format!("{} --device {device}", view()))?;
     compare(&picture, &points)?;
     // The comparison notices wrong lines.
     let moved: Vec<_> = points.iter().map(|&([x, y], seen)| ([x + 4.0, y], seen)).collect();
@@ -186,6 +191,21 @@ fn check(device: &str) -> Outcome {
         dotted.pixels_mut()[at] = [200; 3];
     }
     ensure!(compare(&dotted, &points).is_err(), "a line with holes passes");
+    Ok(())
+}
+
+/// Two faces with an edge from close to the eye to far away, which runs from its far end to its near one. Measured from the far
+/// end, rounding moves every third point near the other behind its own face.
+fn long() -> Outcome {
+    let corners: [[f32; 3]; 4] = [[0.5, 1.5, 0.7], [-32.0, -921.0, -1181.0], [1.8, 2.4, 0.6], [1.5, 2.2, -0.1]];
+    let [near, far] = [0, 1].map(|end: usize| DVec3::from(corners[end].map(f64::from)));
+    let picture = draw(&npz_mesh(&corners, &[[1, 0, 3], [0, 1, 2]]), &format!("{} --device gpu", view()))?;
+    let is_blank = |metres: &f64| {
+        let [x, y] = project(near + *metres * (far - near).normalize());
+        !is_ink(picture.pixels()[y as usize * picture.size[0] + x as usize])
+    };
+    let blank: Vec<f64> = (2..180).map(|step| 0.05 * f64::from(step)).filter(is_blank).collect();
+    ensure!(blank.is_empty(), "the line has gaps at {blank:?}");
     Ok(())
 }
 
