@@ -44,17 +44,17 @@ pub(crate) mod caster_flags {
     pub(crate) const CLOSED: u32 = 1;
     pub(crate) const MIRRORED: u32 = 2;
     pub(crate) const RIGID: u32 = 4;
-    /// A face has a vertex that is not finite.
+    /// The caster is rigid, and a face with three different vertices has one that is not finite.
     pub(crate) const NON_FINITE: u32 = 8;
-    /// The caller excludes faces.
+    /// Faces are excluded, by the caller or as occluded faces.
     pub(crate) const EXCLUDES: u32 = 16;
     /// Its bits are computed in each encode: its positions may have changed, or it has polygons.
     pub(crate) const UNCACHED: u32 = 32;
-    /// The caller excludes faces of a caster of the group.
+    /// A caster of the group has [`EXCLUDES`].
     pub(crate) const GROUP_EXCLUDES: u32 = 64;
     /// The caster is not in the depth buffer.
     pub(crate) const PROXY: u32 = 128;
-    /// The caller states a box of the positions.
+    /// The caster is deforming, and its box in world space is known: from the caller or a pose.
     pub(crate) const BOUNDED: u32 = 256;
 }
 

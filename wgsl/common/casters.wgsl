@@ -1,9 +1,9 @@
-// Casters of a scene (meshes that throw shadows), cones of lights, and functions on vectors, for all stages of scenes and of
-// shadow volumes. A page is the buffers with the topology of many meshes. A group is the casters of a page whose masks lie
+// Casters of a scene (meshes that throw shadows), cones of lights, and `dot_3`, for stages of scenes, shadow volumes and
+// outlines. A page is the buffers with the topology of many meshes. A group is the casters of a page whose masks lie
 // together, because they read one buffer of positions. A slot is the index of a face or edge in these masks. src/layout.rs
 // has the same structs, and a test compares them, CHUNK and LANES, but not the flags. src/gpu/scene/table.rs writes the
-// casters in each encode (the recording of a frame). `may_be_in_cone` returns false only for a box without a point in the
-// cone: `cull_lights` and `needs` cull by it. Claim: docs/numerics/scene.md, "Cones of lights".
+// casters; each encode (the recording of a frame) uploads them. `may_be_in_cone` returns false only for a box without a point
+// in the cone: `cull_lights` and `needs` cull by it. Claim: docs/numerics/scene.md, "Cones of lights".
 
 // Slots of a chunk, which all belong to one caster.
 const CHUNK: u32 = 64u;
@@ -13,14 +13,14 @@ const LANES: u32 = 8u;
 const CLOSED: u32 = 1u; // Closed and consistently oriented: each edge has two faces that traverse it in opposite directions.
 const MIRRORED: u32 = 2u; // Rigid, and its matrix mirrors.
 const RIGID: u32 = 4u; // Its lights are moved to its mesh space, and its box is known.
-const NON_FINITE: u32 = 8u; // Rigid, and a face has a vertex that is not finite.
-const EXCLUDES: u32 = 16u; // The caller excludes faces.
+const NON_FINITE: u32 = 8u; // Rigid, and a face with three different vertices has one that is not finite.
+const EXCLUDES: u32 = 16u; // Faces are excluded on the CPU: by the caller, or as occluded faces.
 const UNCACHED: u32 = 32u; // Its bits are computed in each encode: its positions may have changed, or it has polygons.
-// The caller excludes faces of a caster of the group. The excluded masks of the group are then copied from the caller's in
-// each frame.
+// A caster of the group has EXCLUDES. Each encode then writes the group's excluded masks anew, from the CPU's or as 0, so no
+// bits of the group are cached.
 const GROUP_EXCLUDES: u32 = 64u;
 const PROXY: u32 = 128u; // It is not drawn into the depth buffer.
-const BOUNDED: u32 = 256u; // The caller states its box, in world space.
+const BOUNDED: u32 = 256u; // Deforming, with a box in world space, from the caller or a pose. Without it: see `low`.
 // The word after a scene's counts of silhouettes for 32 lights: not 0 if a light was in the plane of a face whose bits are
 // cached.
 const CACHED_ZEROS: u32 = 32u;
@@ -32,7 +32,8 @@ struct SceneCaster {
   row_0: vec4<f32>,
   row_1: vec4<f32>,
   row_2: vec4<f32>,
-  // The box of the finite faces, in mesh space, or the box that the caller states. An empty box has low above high.
+  // The box of the finite faces in mesh space (RIGID), or the stated box (BOUNDED). Low is above high if it is empty, but
+  // also if the caster has neither flag: such a caster may be anywhere.
   low: vec3<f32>,
   // At most the smallest factor by which the matrix scales a length.
   scale: f32,
@@ -57,8 +58,8 @@ struct SceneCaster {
   clusters_or_deforming_index: u32,
 }
 
-// A light's cone, in world space. `apex`: xyz; w 1, or 0 if the light has no cone. `axis`: xyz of length 1; w the cosine of
-// the angle from the axis to the border.
+// A light's cone, in world space. `apex`: xyz; w 1, or 0 if the light has no cone, is at infinity, or may not cull by it.
+// `axis`: xyz of length 1; w the cosine of the angle from the axis to the border.
 struct LightCone {
   apex: vec4<f32>,
   axis: vec4<f32>,
@@ -116,5 +117,5 @@ fn may_be_in_cone(cone: LightCone, low: vec3<f32>, high: vec3<f32>, term_bound: 
   return !(smallest.x + smallest.y + smallest.z > CONE_SLACK * size);
 }
 
-// Written out, so that all devices compute the same bits.
+// Written out, to add products from x to z as callers' depth passes do (`CasterPositions::Rigid`). Devices may still fuse.
 fn dot_3(a: vec3<f32>, b: vec3<f32>) -> f32 { return a.x * b.x + a.y * b.y + a.z * b.z; }

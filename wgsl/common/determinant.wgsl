@@ -5,7 +5,8 @@
 // common/exact_sign.wgsl. The plane form has no bound here, and its signs are never exact. Bounds hold for exactly these
 // operations and for coordinates below LARGE. Claims: docs/numerics/facing.md, "Error band", "Per edge" and "Filter".
 
-override PLANE: bool = false; // Whether to compute the plane form, as published in 2003, instead of the local form.
+// Whether `facing` and `per_edge` compute the plane form, as published in 2003, instead of the local form.
+override PLANE: bool = false;
 
 // u x v. For b - a and c - a it is the normal on the counter-clockwise side.
 fn cross_product(u: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
@@ -14,6 +15,7 @@ fn cross_product(u: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
 
 fn sum_of_sizes(v: vec3<f32>) -> f32 { return abs(v.x) + abs(v.y) + abs(v.z); }
 
+// The largest absolute component.
 fn largest_of(v: vec3<f32>) -> f32 { return max(max(abs(v.x), abs(v.y)), abs(v.z)); }
 
 // n . (l - w a). The bounds below hold only if `light` is scaled as in LightBatch.
@@ -36,7 +38,7 @@ fn plane_form(plane: vec4<f32>, light: vec4<f32>) -> f32 {
 // adds, 2^-115 times the factors in `underflow_bound`.
 const RELATIVE: f32 = 0x1.4p-20;
 const UNDERFLOW: f32 = 0x1p-115;
-// The exponent bits of 2^40. A coordinate of this size or more could overflow the determinant.
+// The bits of 2^40. A coordinate of this size or more could overflow the determinant.
 const LARGE: u32 = 0x53800000u;
 const INFINITE: u32 = 0x7f800000u; // The bits of infinity. NaNs are above.
 

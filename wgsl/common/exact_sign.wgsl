@@ -118,7 +118,7 @@ const FACE_BITS: i32 = 46;
 const LIGHT_BITS: i32 = 48;
 const EXPONENT_LIMIT: i32 = 4096; // An exponent above all others.
 
-// Three numbers, each zero or an odd mantissa times a power of two: sign * mantissa * 2^(exponent - 149).
+// Three numbers, each zero or an odd mantissa times a power of two: +-mantissa * 2^(exponent - 149).
 struct FloatParts {
   mantissa: vec3<u32>,
   exponent: vec3<i32>,
@@ -138,8 +138,8 @@ fn float_parts(bits: vec3<u32>) -> FloatParts {
   return FloatParts(mantissa >> zeros, lowest_exponent, 24 - vec3<i32>(zeros), -vec3<i32>(bits >> vec3<u32>(31u)));
 }
 
-// The range of bits of three numbers: the exponent of the lowest set bit, and one more than that of the highest. Zeros have
-// none.
+// The range of bits of three numbers: the exponent of the lowest set bit, and at least one more than that of the highest
+// (more for subnormal numbers). Zeros have none.
 fn bit_window(is_zero: vec3<bool>, exponent: vec3<i32>, length: vec3<i32>) -> vec2<i32> {
   let low = select(exponent, vec3<i32>(EXPONENT_LIMIT), is_zero);
   let high = select(exponent + length, vec3<i32>(-EXPONENT_LIMIT), is_zero);

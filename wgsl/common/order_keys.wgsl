@@ -1,5 +1,5 @@
 // Maps bits of floats to integers (keys) that compare like the floats, -0 below +0, so that no device flushes or rounds what
-// is compared. No finite float has the key 0: callers use it for "none".
+// is compared. No finite float has the key 0 or 0xffffffff: callers use 0 for "none", of keys and of inverted keys.
 
 const SIGN_BIT: u32 = 0x80000000u;
 

@@ -49,14 +49,15 @@ struct DeformChunk {
 
 @group(0) @binding(0) var<uniform> dispatch: DeformDispatch;
 @group(0) @binding(1) var<storage, read> rest: array<f32>;
-// For each chunk and each morph target the displacements of the vertices, three words each.
+// For each chunk and each morph target, active or not, the displacements of the vertices, three words each. Instances of one
+// geometry share `rest`, `morph`, `skin` and `source_vertices`.
 @group(0) @binding(2) var<storage, read> morph: array<f32>;
-// For each chunk first the index of each vertex's first influence, and the number of all; then joint and weight of each
-// influence.
+// For each chunk with skin first the index of each vertex's first influence, and the number of all; then joint and weight of
+// each influence.
 @group(0) @binding(3) var<storage, read> skin: array<u32>;
 // In this order: chunks; a word for each instance, 1 if its positions are all (0, 0, 0); another, 1 if it is culled; for each
-// instance matrices and active morph targets; for each workgroup the word at which its chunk begins. The CPU uploads it, but
-// for the words of instances, which are copied on the GPU.
+// instance matrices and active morph targets; for each workgroup the word at which its chunk begins. Each encode uploads all
+// but the last, with 0 for the words of instances. Then copies on the GPU write the first of these, and in scenes the other.
 @group(0) @binding(4) var<storage, read> pose: array<u32>;
 // For each vertex the index of its source vertex, before welding, for `displace`.
 @group(0) @binding(5) var<storage, read> source_vertices: array<u32>;

@@ -1,5 +1,6 @@
 // The layout in which decisions about cells, the squares between four samples, go from pass to pass. `depth_cells_count` or
-// `depth_edges_count` writes it, `depth_cells_scan` and `depth_cells_list` read it. No other stage imports it.
+// `depth_edges_count` writes it, `depth_cells_scan` scans the counts of blocks in place, `depth_cells_list` reads it. Only
+// the stages `depth_cells` and `depth_edges` import it.
 // A word has eight cells of a row, four bits each, from the lowest on. Bit 0: the cell is split from its sample (1, 0) to
 // (0, 1). Bits 1 and 2: its first and its second triangle are drawn. Bit 3 is unused.
 // A strip is four words below each other, decided by one invocation; a block is 64 strips. Strips follow each other row by
@@ -11,7 +12,7 @@
 #import depth_map/samples
 
 // Three parts. A word for each block: its count of listed cells or, after `depth_cells_scan`, the count in all blocks
-// before it. Then the count of each strip. Then four words for each strip, which are written only where its count is not 0.
+// before it. Then the count of each strip. Then four words for each strip, which are stale where its count is 0.
 @group(0) @binding(2) var<storage, read_write> cell_words: array<u32>;
 
 // Cells of a word.

@@ -4,8 +4,8 @@
 // edges: those between two samples of different surfaces. A rim is where a smooth surface bends away from the light.
 // A cell is the square between four samples; a tile has 16 × 16 cells. A crossing is a position on an edge, in 1/256 texel.
 // A distance is the device depth from the near plane on, in units of 2⁻²⁹ of its range. `sample`: a position on the lattice.
-// Integers decide everything, so lists of walls are the same on every device, to the word. docs/numerics/contours.md shows
-// that nothing overflows: keep shifts and clamps.
+// Integers decide everything, so lists of walls are the same on every device, to the word. Keep shifts and clamps: without
+// them products would overflow. Claims: docs/numerics/contours.md.
 
 #import depth_map/samples
 
@@ -19,7 +19,7 @@ struct ContourShape {
   // At a jump, distances differ by more than this, and by so much more than the slopes beside it. RANGE: no difference of
   // distances makes a jump, only far samples and other objects do.
   threshold: i32,
-  // A difference above this is a jump even if it is less than twice those beside it.
+  // A difference above this may be a jump even if it is less than twice those beside it. Other conditions stay (`is_jump`).
   certain_threshold: i32,
   // How far a segment may pass from a crossing, in 1/256 texel.
   sideways: i32,
@@ -76,13 +76,13 @@ fn minmod(a: i32, b: i32) -> i32 {
   return select(select(b, a, abs(a) < abs(b)), 0, (a ^ b) < 0);
 }
 
-// `value` · `factor` / 256, rounded down. The result must fit.
+// `value` · `factor` / 256, rounded down. The result must fit, and `factor` be below 2²³.
 fn scale_256ths(value: i32, factor: i32) -> i32 {
   return (value >> 8u) * factor + (((value & 255) * factor) >> 8u);
 }
 
-// The distance of a sample from the near plane, truncated to units, or FAR. It is below RANGE, so a reversed depth next to 0
-// is not at the far end. Keys (samples.wgsl) clamp depths to 0 and 1, and make NaN far.
+// The distance of a sample from the near plane, for the depth truncated to units, or FAR, also beyond the lattice. It is below
+// RANGE, so a reversed depth next to 0 is not at the far end. Keys (samples.wgsl) clamp depths to 0 and 1, and make NaN far.
 fn load_distance(sample: vec2<i32>) -> i32 {
   let key = load_key(vec2<u32>(sample));
   let bits = depth_bits(key);
@@ -131,7 +131,7 @@ fn biased_distance(sample: vec2<i32>) -> i32 {
   return distance + min(slope_term + depth_noise(distance), (RANGE - distance) / 2);
 }
 
-// Instead of a crossing, or of `Conic.last_difference`: there is none.
+// Instead of a crossing, the offset of a rim, or `Conic.last_difference`: there is none.
 const UNKNOWN: i32 = -1;
 // A conic is fitted only if the last difference of distances is at least MIN_RISE, and at least NOISE_FACTOR times
 // `depth_noise`.

@@ -4,8 +4,7 @@
 // Reads depths, `marks` and `counts`. Writes `crossings`. `contour_walls` reads them and moves them onto its segments. Then
 // the near cap of `depth_walls` reads them.
 // An invocation writes only the words of its samples. All is integer arithmetic, so crossings are the same on every device.
-// A crossing is at least CROSSING_MARGIN from both samples. docs/numerics/contours.md, "Jumps and crossings": nothing
-// overflows.
+// A crossing is at least CROSSING_MARGIN from both samples. docs/numerics/contours.md, "Jumps and crossings".
 
 #import depth_map/contour
 #import depth_map/contour_rim

@@ -1,5 +1,5 @@
 // Stage `contour_marks`: marks the edges that a contour crosses, which are those between two samples of different surfaces.
-// First dispatch of an encode with contours: an invocation for each word of marks, which is 16 samples of a row.
+// First dispatch with contours, once the map is there: an invocation for each word of marks, which is 16 samples of a row.
 // Reads depths and objects. Writes `marks` for `contour_tiles`, `contour_crossings`, `contour_walls` and the near cap of
 // `depth_walls`.
 // A slope is no jump, however steep it is: walls within a surface would put specks of its own shadow on it.
@@ -29,8 +29,9 @@ fn jump_state(sample: vec2<i32>, step: vec2<i32>, a: i32, b: i32) -> u32 {
   return select(0u, 2u, abs(b - a) > contour.threshold);
 }
 
-// Whether a difference above the threshold is a jump, not only a slope. A jump is larger than the slopes on both sides by
-// more than the threshold. It is above `contour.certain_threshold`, or at least twice as large as the differences beside it.
+// Whether a difference above the threshold is a jump, not only a slope. Neither sample may be far. A jump is larger than the
+// slopes on both sides by more than the threshold. It is above `contour.certain_threshold`, or at least about twice as large as
+// the differences beside it, which count in its direction: 0 if the sample before is far, FAR if the one after is.
 // Three samples of a plane, and a round surface before its rim, have no jump.
 fn is_jump(sample: vec2<i32>, step: vec2<i32>) -> bool {
   let a = load_distance(sample);

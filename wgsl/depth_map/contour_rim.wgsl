@@ -13,8 +13,8 @@ const RIM_OVERSHOOT: i32 = 24;
 // The strictness of `fit_conic` for rims.
 const RIM_STRICTNESS: i32 = 5;
 
-// The offset of the rim of a smooth surface from its last sample, up to TEXEL. UNKNOWN: samples are not on a conic, or the
-// rim is farther.
+// The offset of the rim of a smooth surface from its last sample, which must not be FAR, up to TEXEL. UNKNOWN: one of the four
+// edges before it is marked, samples are not on a conic, or the rim is farther.
 fn rim_offset(last: vec2<i32>, step: vec2<i32>) -> i32 {
   for (var index = 0; index < 4; index++) {
     if (is_marked_before(last - index * step, step)) {
@@ -44,7 +44,8 @@ fn rim_offset(last: vec2<i32>, step: vec2<i32>) -> i32 {
   return select(min(offset, TEXEL), UNKNOWN, offset > TEXEL + RIM_OVERSHOOT);
 }
 
-// How much the distance of a surface grows from its last sample to an offset. It grows at the rate of the last difference.
+// How much the distance of a surface grows from its last sample, which must not be FAR, to an offset. It grows at the rate of
+// the last difference, or not at all if the edge before the sample is marked.
 // Before a rim the surface bends away from the light. There the rate is multiplied by the square of the last ratio of
 // differences, which is at most 2.
 fn extrapolated_rise(sample: vec2<i32>, step: vec2<i32>, offset: i32) -> i32 {
@@ -70,8 +71,9 @@ fn extrapolated_rise(sample: vec2<i32>, step: vec2<i32>, offset: i32) -> i32 {
   return scale_256ths(scale_256ths(scale_256ths(min(last_difference, RANGE / 8), offset), ratio), ratio);
 }
 
-// The distance, with the bias, of the surface of a sample at an offset. If `min_texels` is above 0, the surface goes away
-// from the light by at least so many times the last difference.
+// The distance, with the bias, of the surface of a sample at an offset, or FAR if the sample is. If `min_texels` is above 0,
+// the surface goes away from the light by at least so many times the last difference, unless that may be a jump. In any case
+// it goes at most half of the way to the far end.
 fn surface_distance(sample: vec2<i32>, step: vec2<i32>, offset: i32, min_texels: i32) -> i32 {
   let distance = load_distance(sample);
   if (distance == FAR) {
@@ -105,7 +107,7 @@ fn load_edge_code(cell: vec2<i32>) -> u32 {
   return (first & 1u) | (right & 2u) | ((below & 1u) << 2u) | ((first & 2u) << 2u);
 }
 
-// Whether the edge between a sample and the one before it, `sample - step`, is marked.
+// Whether the edge between a sample and the one before it, `sample - step`, is marked. Both must be on the lattice.
 fn is_marked_before(sample: vec2<i32>, step: vec2<i32>) -> bool {
   return ((load_marks(min(sample, sample - step)) >> u32(step.y != 0)) & 1u) == 1u;
 }
