@@ -1,6 +1,6 @@
 // Parts that passes of all pictures share.
 
-// A triangle that covers the target.
+// A triangle that covers the target, at depth 0, as where nothing was drawn: a backdrop may test for equal depths.
 @vertex fn cover_vertex(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4<f32> {
   return vec4<f32>(f32(vertex & 1u) * 4.0 - 1.0, f32(vertex >> 1u) * 4.0 - 1.0, 0.0, 1.0);
 }
@@ -26,7 +26,7 @@ fn unfold(word: u32) -> vec3<f32> {
   return normalize(n);
 }
 
-// A colour whose channels are roots in ten bits each.
+// A linear colour, from channels that are roots in ten bits each.
 fn unpack_color(word: u32) -> vec3<f32> {
   let root = vec3<f32>((vec3<u32>(word) >> vec3<u32>(0u, 10u, 20u)) & vec3<u32>(1023u)) / 1023.0;
   return root * root;

@@ -25,7 +25,7 @@ fn ground_corner(vertex: u32) -> vec4<f32> {
 struct GroundPoint {
   // Relative to the eye, in units.
   q: vec3<f32>,
-  // How much of it the backdrop has taken.
+  // How much of it the backdrop has taken: 1 also at the horizon and above it, where `q` has no meaning.
   faded: f32,
 }
 
@@ -65,7 +65,7 @@ fn is_lit() -> bool {
   return vec4<f32>((1.0 - point.faded) * ALBEDO * light.color * cosine, 0.0);
 }
 
-// Keeps the pixels that the light cannot reach even without casters.
+// Keeps all pixels if the light is not above the ground; its range and cone do not count.
 @fragment fn back_facing_fragment(in: GroundVertex) -> @location(0) vec4<f32> {
   if (in.is_lit != 0u) {
     discard;

@@ -6,6 +6,7 @@
 @group(0) @binding(1) var<storage, read> faces: array<u32>;
 // Where the faces and the corners of each group begin, and at last where they end.
 @group(0) @binding(2) var<storage, read> starts: array<vec2<u32>>;
+// `members`: the faces of one group after the other; a face may be in several. `corners`: their corners, each in one group.
 @group(0) @binding(3) var<storage, read> members: array<u32>;
 @group(0) @binding(4) var<storage, read> corners: array<u32>;
 // One a corner, folded onto an octahedron.
@@ -21,7 +22,7 @@ struct Piece {
 
 @group(0) @binding(6) var<storage, read_write> pieces: array<Piece>;
 
-// The most faces, and corners, of a piece. crates/rimline-picture/src/smoothing.rs has the same.
+// The most faces, and corners, of a piece or of a group that is not cut. crates/rimline-picture/src/smoothing.rs has it, too.
 const PIECE: u32 = 4096u;
 // 16 million faces at a vertex are more than a binding of llvmpipe holds.
 const MOST_PIECES: u32 = 4096u;
@@ -30,7 +31,7 @@ fn position(vertex: u32) -> vec3<f32> {
   return vec3<f32>(positions[3u * vertex], positions[3u * vertex + 1u], positions[3u * vertex + 2u]);
 }
 
-// The inverse of `unfold`.
+// The inverse of `unfold` but for the length, which may be any.
 fn fold(n: vec3<f32>) -> u32 {
   let flat = n / max(abs(n.x) + abs(n.y) + abs(n.z), 1e-37);
   let over = (1.0 - abs(flat.yx)) * select(vec2<f32>(-1.0), vec2<f32>(1.0), flat.xy >= vec2<f32>(0.0));

@@ -1,6 +1,6 @@
 // A sketch of shadow volumes: a side of tinted glass from each silhouette edge to infinity, and its outline. It stands
 // after common.wgsl, scene.wgsl and the library's include (extract/results.wgsl). Each side is an instance of the light's
-// indirect draw. depth_overlay.wgsl of the command uses `Edge` and the fragment shaders.
+// indirect draw, which must have four vertices. depth_overlay.wgsl of the command uses `Edge` and the fragment shaders.
 
 // A vertex of an outline.
 struct Edge {

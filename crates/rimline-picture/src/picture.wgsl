@@ -16,8 +16,8 @@ fn pressed(light: vec3<f32>) -> vec3<f32> {
   return min(x, vec3<f32>(KNEE)) + (1.0 - KNEE) * over / (1.0 + over);
 }
 
-// From linear light to the picture: exposed, the brightest parts pressed together instead of cut off. With half a step of
-// noise, so that gradients show no bands.
+// From linear light to the picture: exposed, the brightest parts pressed together instead of cut off. With noise, so that
+// gradients show no bands. The target encodes it with sRGB's curve.
 fn toned(light: vec3<f32>, at: vec2<f32>) -> vec4<f32> {
   return vec4<f32>(pressed(light) + (dither(at) - 0.5) / 300.0, 1.0);
 }
@@ -26,7 +26,7 @@ fn toned(light: vec3<f32>, at: vec2<f32>) -> vec4<f32> {
   return toned(textureLoad(whole, vec2<i32>(at.xy), 0).rgb, at.xy);
 }
 
-// The same for a target that is not decoded by those who show it: with sRGB's curve.
+// The same for a target without sRGB's curve, which is applied here. The noise is up to half a step of the target.
 @fragment fn tone_encoded_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
   let x = pressed(textureLoad(whole, vec2<i32>(at.xy), 0).rgb);
   let curved = select(1.055 * pow(x, vec3<f32>(1.0 / 2.4)) - 0.055, 12.92 * x, x <= vec3<f32>(0.0031308));

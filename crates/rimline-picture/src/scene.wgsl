@@ -40,7 +40,7 @@ struct Frame {
 
 // A light, or a sample of one with an area.
 struct ShadedLight {
-  // Homogeneous, relative to the eye, in units.
+  // Homogeneous, relative to the eye, in units, scaled so that the largest component is about 1: w need not be 0 or 1.
   light: vec4<f32>,
   color: vec3<f32>,
   // The distance at which it ends, in units times the light's w. 0: it does not end.
@@ -96,7 +96,8 @@ struct Arriving {
   reached: bool,
 }
 
-// The share of light at a distance, for a light that ends: Bergeron's falloff, as `rimline::falloff`.
+// The share of light at a distance, in units times the light's w, for a light that ends: Bergeron's falloff, as
+// `rimline::falloff`.
 fn falloff(distance: f32) -> f32 {
   if (distance >= shaded.range) {
     return 0.0;

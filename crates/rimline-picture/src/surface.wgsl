@@ -13,11 +13,12 @@ struct Clay {
 @group(2) @binding(2) var<storage, read> faces: array<u32>;
 // A normal a corner, folded onto an octahedron.
 @group(2) @binding(3) var<storage, read> normals: array<u32>;
-// Where each face's masks are. With two flags: the face is turned away from the eye, and shown as the one that it coincides
-// with, which is not; and the masks are its own, whose opposites are that one's.
+// Where each face's masks are. With two flags. TURNED: the face is turned away from the eye, and shown as the one that it
+// coincides with, which is not; `normals` and `colors` of its corners then are that one's. OPPOSITE, only with TURNED: the
+// masks are its own, whose opposites are that one's; otherwise they are that one's, too.
 @group(2) @binding(4) var<storage, read> slots: array<u32>;
 @group(2) @binding(5) var<storage, read> facing: array<u32>;
-// A base colour a corner, packed, if the model has colours.
+// A base colour a corner, packed, if the model has colours; otherwise any words, of which the first is read and dropped.
 @group(2) @binding(6) var<storage, read> colors: array<u32>;
 
 const TURNED = 0x80000000u;

@@ -3,6 +3,7 @@
 
 struct Frame {
   eye: vec3<f32>,
+  // The distance of the near plane. The survey divides by distances of at least this.
   near: f32,
   right: vec3<f32>,
   // Clip units per unit of view space, of a perspective camera at distance 1.

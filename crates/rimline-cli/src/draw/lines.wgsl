@@ -1,5 +1,5 @@
 // Silhouette edges as lines of even width on the screen: a quad an edge, read from the list by an indirect draw.
-// Expects frame.wgsl and `gpu::include_wgsl(2)` before it in the module (outline_picture.rs).
+// Expects common.wgsl of rimline-picture, frame.wgsl and `gpu::include_wgsl(2)` before it (outline_picture.rs).
 //
 // Hidden lines: a fragment is drawn if the nearest point of its edge is seen. The survey (model.wgsl) is a texture of the
 // faces that are seen, with one or two texels along a pixel's side. The point is hidden if a face seen within `reach()`
@@ -8,6 +8,7 @@
 // are found by veils (veil.wgsl): depths behind which everything in a square of the survey is hidden.
 
 @group(1) @binding(0) var seen: texture_2d<u32>;
+// The buffers that the survey was drawn with. Only fragment shaders may read them.
 @group(1) @binding(1) var<storage, read> positions: array<f32>;
 @group(1) @binding(2) var<storage, read> faces: array<u32>;
 // The veils that `veil.wgsl` makes; each level has squares twice as large.
@@ -143,7 +144,8 @@ fn position(face: u32, corner: u32) -> vec3<f32> {
 
 // A bound on the rounding error of a product of lengths, as a share of it. In units of 2^-23 a position relative to the eye is
 // off by 2, the point by 5 (its length is at most the square root of 3), a normal by 6 of the product of its sides, the last
-// product by 3. A point amid an edge that is many times longer is off by more, but so long are the sides of the edge's faces, too.
+// product by 3. A point amid an edge that is many times longer is off by more, but so long are the sides of the edge's faces,
+// too.
 const ERROR = 12.0 / 8388608.0;
 
 // Whether the ray to `p` certainly passes an edge on its inner side. It does not for faces seen edge-on, as many are at a
@@ -200,7 +202,7 @@ fn face_at(texel: vec2<i32>) -> u32 {
   return halves.x | (halves.y << 16u);
 }
 
-// A point is hidden if one face seen around it hides it, or if all faces there are in front of it. The second case is for
+// A point is hidden if one face seen around it hides it, or if all texels there show faces in front of it. The second is for
 // faces smaller than pixels, and for faces whose common edge covers the point within the rounding error.
 fn is_hidden(point: vec3<f32>, at: vec2<f32>) -> bool {
   let middle = texel_at(at);

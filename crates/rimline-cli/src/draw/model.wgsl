@@ -1,6 +1,7 @@
 // The model, and what is behind it and below it: survey, contact shadow, paper, clay.
 
 @group(1) @binding(0) var<storage, read> positions: array<f32>;
+// The drawn faces, whose positions are all finite.
 @group(1) @binding(1) var<storage, read> faces: array<u32>;
 // A normal a corner, folded onto an octahedron.
 @group(1) @binding(2) var<storage, read> normals: array<u32>;
@@ -12,14 +13,14 @@ fn position_of(corner: u32) -> vec3<f32> {
   return vec3<f32>(positions[first], positions[first + 1u], positions[first + 2u]);
 }
 
-// The survey, for hidden lines (lines.wgsl): the face at each texel, and near plane / distance. Not the depth buffer, which
-// OpenGL's shaders cannot read as WGSL does; in integers, since OpenGL need not draw onto floats; not multisampled, since
-// Mesa's OpenGL then reads zeros.
+// The survey, for hidden lines (lines.wgsl): the face at each texel, and near plane / distance, also of an orthographic
+// camera. Not the depth buffer, which OpenGL's shaders cannot read as WGSL does; in integers, since OpenGL need not draw onto
+// floats; not multisampled, since Mesa's OpenGL then reads zeros.
 
 struct Seen {
   @builtin(position) clip: vec4<f32>,
   @location(0) distance: f32,
-  // Its index plus 1.
+  // The index of the face among those drawn, plus 1.
   @location(1) @interpolate(flat) face: u32,
 }
 

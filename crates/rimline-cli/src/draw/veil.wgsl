@@ -33,7 +33,7 @@ fn veil_of(face: u32) -> f32 {
   return farthest + 2.0 * longest + SLACK * max(size_of(a), max(size_of(b), size_of(c)));
 }
 
-// Bits of the largest veil in a square. Positive floats have the order of their bits.
+// Bits of the largest veil in a square. Positive floats have the order of their bits. 0 beyond the survey, where nobody looks.
 @fragment fn veil_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<u32> {
   let first = SQUARE * vec2<i32>(at.xy);
   let end = min(first + SQUARE, frame.survey_scale * vec2<i32>(frame.size));

@@ -1,6 +1,6 @@
 // The boundary of the shadows of a depth map: its triangles as tinted glass, and lines: where what casts ends before
-// nothing, as the light sees it, and some of the rays there. Where a list overflowed, every cell is shown, as every
-// cell is drawn. Fragments are those of volumes. No shader branches on uniforms alone (scene.wgsl).
+// nothing, as the light sees it, and some of the rays there; of walls and flaps, their sides. Where a list overflowed, every
+// cell that is not all far is shown. Fragments are those of volumes. No shader branches on uniforms alone (scene.wgsl).
 
 // A map as the picture's camera sees it.
 struct DepthView {
@@ -27,7 +27,7 @@ struct DepthViews {
 }
 
 @group(2) @binding(0) var<uniform> maps: DepthViews;
-// How many there are, then the cells, as `rimline::gpu::DepthMapVolumes::cells` has them.
+// How many there are, then cells or walls, as `rimline::gpu::depth_map::DepthMapVolumes::cells` has them.
 @group(2) @binding(1) var<storage, read> cells: array<u32>;
 @group(2) @binding(2) var depths: texture_2d<f32>;
 
