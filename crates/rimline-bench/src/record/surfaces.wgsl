@@ -1,4 +1,4 @@
-// Surfaces of one colour. Positions are taken relative to the eye.
+// Surfaces of one colour. Positions are taken relative to the camera's origin.
 
 struct Frame {
   view_projection: mat4x4<f32>,
@@ -15,7 +15,8 @@ struct Frame {
 ) -> @invariant @builtin(position) vec4<f32> {
   let at = vec4(position, 1.0);
   let q = vec3(dot(x, at), dot(y, at), dot(z, at)) - frame.eye.xyz;
-  // Same arithmetic as `rimline_clip` of the library's include, because z-fail needs equal depths.
+  // From q on the arithmetic of `rimline_clip` of the library's include, because z-fail needs equal depths. Volumes of moved
+  // rigid casters round q otherwise (`CasterPositions::Rigid`).
   return frame.view_projection[0] * q.x + frame.view_projection[1] * q.y + frame.view_projection[2] * q.z +
     frame.view_projection[3];
 }
