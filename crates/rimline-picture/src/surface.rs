@@ -81,7 +81,8 @@ pub struct SurfaceBuffers<'a> {
     pub faces: &'a wgpu::Buffer,
     /// A normal a corner, as [`crate::corner_normals`] has them.
     pub normals: &'a wgpu::Buffer,
-    /// The slot of each face, perhaps with [`TURNED`] and [`OPPOSITE`].
+    /// The slot of each face, perhaps with [`TURNED`] and [`OPPOSITE`]. Normals and colours of a turned face's corners must be
+    /// those of the face that it is shown as.
     pub slots: &'a wgpu::Buffer,
     /// A base colour a corner, as [`crate::corner_colors`] has them. `None`: the model is of clay.
     pub colors: Option<&'a wgpu::Buffer>,

@@ -23,6 +23,7 @@ pub struct PictureFormat {
     /// Whether [`PARTS`] parts are drawn one after the other, whose pixels take turns.
     pub in_parts: bool,
     /// Whether the picture is of format `Rgba8Unorm` and encoded as sRGB by its shader. Else the format is `Rgba8UnormSrgb`.
+    /// Not with [`Self::in_parts`], whose shader does not encode.
     pub is_encoded: bool,
 }
 
