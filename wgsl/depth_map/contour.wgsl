@@ -14,7 +14,7 @@ struct ContourShape {
   tiles: vec2<u32>,
   // Words of marks in a row of samples.
   words: u32,
-  // Walls that the list has room for.
+  // Walls and flaps that the list has room for.
   capacity: u32,
   // At a jump, distances differ by more than this, and by so much more than the slopes beside it. RANGE: no difference of
   // distances makes a jump, only far samples and other objects do.

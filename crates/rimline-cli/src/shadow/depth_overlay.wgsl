@@ -1,6 +1,7 @@
 // The boundary of the shadows of a depth map: its triangles as tinted glass, and lines: where what casts ends before
 // nothing, as the light sees it, and some of the rays there; of walls and flaps, their sides. Where a list overflowed, every
-// cell that is not all far is shown. Fragments are those of volumes. No shader branches on uniforms alone (scene.wgsl).
+// cell that is not all far is shown. Fragment shaders are those of overlay.wgsl. No shader branches on uniforms alone
+// (scene.wgsl).
 
 // A map as the picture's camera sees it.
 struct DepthView {
