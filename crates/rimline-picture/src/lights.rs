@@ -14,7 +14,7 @@ pub struct ShadedLight {
     pub light: Light,
     /// Linear red, green and blue, times its intensity.
     pub color: [f32; 3],
-    /// Where it ends. Infinite: nowhere.
+    /// Where it ends. Infinite: nowhere; it must be so for a light at infinity.
     pub range: f32,
     /// Where it begins to fade.
     pub begin: f32,

@@ -43,7 +43,7 @@ struct ShadedLight {
   // Homogeneous, relative to the eye, in units, scaled so that the largest component is about 1: w need not be 0 or 1.
   light: vec4<f32>,
   color: vec3<f32>,
-  // The distance at which it ends, in units times the light's w. 0: it does not end.
+  // The distance at which it ends, in units times the light's w. 0: it does not end, as at infinity.
   range: f32,
   // The distance at which it begins to fade, likewise, and the exponent of `falloff`.
   begin: f32,
