@@ -1,6 +1,7 @@
 // Reads positions from a caller's buffer, at any offset and stride in words, for the stages of extraction, polygons and
 // queries. (Scenes have one binding instead: scene/many_casters.wgsl.) Positions lie in up to four bindings, of equal length
-// but for the last. They are loaded as u32, so that no load can flush a subnormal. Exact signs need the unchanged bits.
+// but for the last; unused ones repeat the first. They are loaded as u32, so that no load can flush a subnormal. Exact signs
+// need the unchanged bits.
 
 @group(0) @binding(2) var<storage, read> positions_0: array<u32>;
 @group(0) @binding(3) var<storage, read> positions_1: array<u32>;
