@@ -240,12 +240,11 @@ fn is_behind_triangle(point: NearPoint) -> bool {
   }
   let first = corner + vec2<u32>(cell);
   let fraction = point.lattice - cell;
-  let entry = cell_entry_bits(first);
-  let is_split = (entry & SPLIT) != 0u;
-  let is_second = select((fraction.x < fraction.y), (fraction.x + fraction.y > 1.0), is_split);
+  let split = is_split(load_cell_keys(first));
+  let is_second = select((fraction.x < fraction.y), (fraction.x + fraction.y > 1.0), split);
   // Barycentric weights of the samples (0, 0), (1, 0), (0, 1), (1, 1).
   var weights = vec4<f32>(1.0 - fraction.x, fraction.x - fraction.y, 0.0, fraction.y);
-  if (is_split) {
+  if (split) {
     weights = vec4<f32>(1.0 - fraction.x - fraction.y, fraction.x, fraction.y, 0.0);
     if (is_second) {
       weights = vec4<f32>(0.0, 1.0 - fraction.y, 1.0 - fraction.x, fraction.x + fraction.y - 1.0);
