@@ -23,7 +23,7 @@
 @group(0) @binding(10) var<storage, read_write> sample_bits: array<u32>;
 
 // 0: triangles with a marked edge are drawn. 1: also those with a sample that casts, at the end of a marked edge. 2: also
-// those with a sample that casts, beside any end. All samples on the border of a map of a cube count as ends.
+// those with a sample that casts, beside an end that need not cast. All samples on the border of a map of a cube are ends.
 override RINGS: u32 = 2u;
 
 const BLOCK: u32 = 256u;
@@ -127,7 +127,7 @@ fn depth_edges_continue(
 struct Borders {
   // The position in the map of the sample of bit 0.
   in_map: vec2<i32>,
-  // A bit for each sample of a row that is in the first or last column of the map, or outside it.
+  // A bit for each sample of a row that is in the first or last column of the map, or outside it. 0 for a single map.
   columns: u32,
 }
 
