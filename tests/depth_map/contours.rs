@@ -9,6 +9,7 @@ use rimline_testkit::goldens::golden;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::limited;
 use rimline_testkit::random::Random;
+use rimline_testkit::turns::limits;
 use rimline_testkit::{is_long, must_fail, same};
 use wgpu::TextureFormat;
 
@@ -22,6 +23,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("lists_of_walls_are_the_goldens", lists),
     ("contours_through_every_cell_are_the_goldens", long),
     ("lists_of_walls_of_few_workgroups_are_those_of_many", few_workgroups),
+    ("tiles_have_at_most_as_many_walls_as_turns_count", most_walls),
     ("steep_surfaces_end_before_those_behind", before_those_behind),
     ("walls_that_overflow_are_those_of_every_cell", overflow),
     ("walls_are_closed_and_cross_jumps_once", closed),
@@ -267,6 +269,20 @@ fn few_workgroups() -> Result<(), String> {
         same(&format!("walls with {most} workgroups across"), &found, &expected)?;
     }
     if expected.len() > 500 { Ok(()) } else { Err(format!("{} walls", expected.len())) }
+}
+
+/// Loops over the walls of a tile have as many turns. Here every edge is marked, and no two segments are joined.
+fn most_walls() -> Result<(), String> {
+    let (gpu, mut random) = Gpu::seeded(1648)?;
+    // One tile: with the border of far samples it has 16 cells a side.
+    let map = Map::new([15, 15], false, |_| random.between(0.2, 0.8));
+    let numbers: Vec<u32> = (0..225).collect();
+    let fit = Fit { threshold: 1.0, sideways: 0.0, depth: 0.0, slope_bias: 0.0 };
+    let count = walls_of(&gpu, &map, Some(&numbers[..]), fit.options())?.len() as u64;
+    let most = limits(1, 1)["TILE_WALLS"];
+    println!("{count} walls and flaps, of at most {most}");
+    // Not vacuous: more than eight a cell.
+    if count > 8 * 256 && count <= most { Ok(()) } else { Err(format!("{count} walls and flaps, of at most {most}")) }
 }
 
 /// A list that overflows is not drawn: every cell is, by its triangles. Arguments and statistics agree.

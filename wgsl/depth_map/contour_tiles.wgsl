@@ -23,10 +23,10 @@
 @group(0) @binding(10) var<storage, read_write> workgroups: array<u32>;
 
 const BLOCK: u32 = 256u;
-// Tiles of a workgroup of `contour_crossings`, which has an invocation for each row of a tile.
+// Tiles of a workgroup of `contour_crossings`, which has BLOCK invocations, too, one for each row of a tile.
 const TILES_PER_CROSSINGS_WORKGROUP: u32 = BLOCK / u32(TILE);
 // Tiles of a workgroup of `contour_walls_trace`. Loops of an invocation have up to some 25,000 iterations a tile, and may
-// have 65,535 (src/turns.rs).
+// have 65,535 (src/turns.rs). WALKER_TILES and TILE_NODES in crates/rimline-testkit/src/turns/bounds.rs count on it.
 const TILES_PER_WALLS_WORKGROUP: u32 = 2u;
 // The device's limit for workgroups of a dispatch, across and down. Workgroups loop over tiles where there are too few of
 // them.

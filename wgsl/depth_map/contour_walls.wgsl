@@ -21,8 +21,8 @@
 // Four parts (contour_tiles.wgsl): for each index of the list of tiles the count of its walls, which the scan replaces by
 // the index of its first wall; for each index the counts of its WALKERS invocations; the list of tiles; its length.
 @group(0) @binding(5) var<storage, read_write> counts: array<u32>;
-// The number of walls and three words of 0. Then 12 words a wall: four vertices of x and y on the lattice, in 1/256 texel,
-// and a distance.
+// The number of walls, of which more may be found than listed, and three words of 0, which nothing writes. Then 12 words a
+// wall: four vertices of x and y on the lattice, in 1/256 texel, and a distance with the bias, or FAR.
 @group(0) @binding(7) var<storage, read_write> walls: array<u32>;
 // The indirect draw of the walls, then that of all cells.
 @group(0) @binding(9) var<storage, read_write> draws: array<u32>;
@@ -33,7 +33,8 @@ override LISTS: bool = false;
 // Cells of an invocation, and of a tile.
 const WALKER_CELLS: u32 = 4u;
 const TILE_CELLS: u32 = 256u;
-// Nodes that a segment may have, with its ends. A power of two.
+// Nodes that a segment may have, with its ends. A power of two. The factors of TILE_NODES in comments of turns follow from
+// it and from TRIES.
 const WINDOW: u32 = 32u;
 // Nodes beyond the longest segment so far that are tried as its end.
 const TRIES: u32 = 8u;
@@ -58,7 +59,8 @@ const NODE_JUNCTION_END: u32 = 3u;
 // The last nodes of a walk, in a ring. Positions are on the lattice, in 1/256 texel.
 // x and y: the crossing, or the middle of the junction. z and w: the distances there of the surfaces to the left and right.
 var<private> node_points: array<vec4<i32>, WINDOW>;
-// Positions on the edge between which a segment must pass. x and y: the left one. z and w: the right one.
+// Positions on the edge between which a segment must pass. x and y: the left one. z and w: the right one. Not written at a
+// junction, which only ends segments.
 var<private> node_limits: array<vec4<i32>, WINDOW>;
 // The sample that a flap joins to the wall. x, y, z: its position and distance. w: the side of the nearer surface, 0 left, 1
 // right; 2 at a junction, which has no flap.
@@ -108,8 +110,9 @@ fn end_rank(cell: vec2<i32>, edge: u32, is_of_junction: bool) -> u32 {
 // The result of `find_walk_end` if it looks for a loop and finds none.
 const NO_RANK: u32 = 0xffffffffu;
 
-// Walks to the next tile border or junction, and returns the rank of that end; 0 for a loop. With `finds_loop` it returns 0
-// if the walk is a loop of which `start` has the first cell, and NO_RANK otherwise.
+// Walks to the next tile border or junction, and returns the rank of that end. 0 is a rank, too: a walk that begins at a
+// border or junction is no loop. With `finds_loop` it returns 0 if the walk is a loop of which `start` has the first cell,
+// and NO_RANK otherwise.
 fn find_walk_end(start: CellExit, finds_loop: bool) -> u32 {
   var exit = start;
   // Turns: TILE_CELLS + 1.

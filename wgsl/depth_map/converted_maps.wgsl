@@ -12,8 +12,8 @@
 // `DepthMapTexture::convert`. Reads distances and `metric_view`. Writes a texture of `r32float` with device depths of the
 // light's camera.
 // It computes in floats. `metric_steps` in src/gpu/depth_map/metric.rs bounds their error, and the bias of draws includes
-// it. Keep the operations of `distance_key` and their order: docs/numerics/depth-maps.md, "Maps of distances", derives the
-// bound from them.
+// it. Keep the operations of `distance_key` and `ray_length`, and their order: docs/numerics/depth-maps.md, "Maps of
+// distances", derives the bound from them.
 
 struct DepthMetricView {
   // x, y, z: how the ray through a texel changes for each step of half a texel across. w: how nearness changes at infinity.
@@ -28,9 +28,11 @@ struct DepthMetricView {
   far_remainder: f32,
   // 1: there is a far plane.
   has_far: f32,
-  // Nearness is `scale` times the distance to the far plane, divided by the distance unless rays are parallel.
+  // Nearness in the middle is `scale` times the distance to the far plane, or without one `scale` times `far`, divided by
+  // the distance unless rays are parallel. `across.w` and `down.w` add to it.
   scale: f32,
-  // Distances are clamped to the range from `min_distance` to `max_distance`. From `max_distance` on, nothing casts.
+  // Distances are clamped to the range from `min_distance`, half of the near one, to `max_distance`, twice the far one or
+  // 2¹²⁰. From `max_distance` on, nothing casts. From the far plane on nothing does, either, by its depth.
   min_distance: f32,
   max_distance: f32,
   // 0: texels hold device depths. 1: distances along the axis of view, or along parallel rays. 2: distances along rays that
@@ -132,8 +134,9 @@ fn depth_merge(
 }
 
 // Stage `depth_cube`: puts the six depth maps around a light into one texture, three in a row. First dispatch of each encode
-// of `DepthMapCube`. Reads six depth textures and, with OBJECTS, six of objects. Writes `cube_texture` and `cube_objects`,
-// which all later stages and draws have as `depth_texture` and `object_texture`. No object is written where nothing casts.
+// of `DepthMapCube`. Reads six depth textures and, with OBJECTS, six of objects. Writes `cube_texture` and, with OBJECTS,
+// `cube_objects`, which all later stages and draws have as `depth_texture` and `object_texture`. No object is written where
+// nothing casts: the one of an earlier encode stays.
 // A texture of another size, such as one texel, stands for a map that is missing: nothing casts in it.
 // Samples of maps that lie on one ray (samples.wgsl) get the nearest of their depths, and the object of the first map with
 // that depth. So cells on both sides of an edge of the cube decide from the same samples. Keys, which are integers, decide.

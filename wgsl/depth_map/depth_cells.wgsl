@@ -13,7 +13,7 @@
 #import depth_map/samples
 #import depth_map/scan
 
-// The number of listed cells, then their entries.
+// The number of cells to list, then their entries: `depth_map.capacity` at most.
 @group(0) @binding(3) var<storage, read_write> cells: array<u32>;
 // The indirect draw.
 @group(0) @binding(5) var<storage, read_write> draws: array<u32>;

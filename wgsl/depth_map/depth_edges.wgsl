@@ -16,14 +16,14 @@
 // The marks of the pass before, which is `depth_edges_mark` or `depth_edges_continue`.
 @group(0) @binding(7) var<storage, read> edges_before: array<u32>;
 @group(0) @binding(8) var<storage, read_write> edges: array<u32>;
-// Edges of level 1 (edge_rule.wgsl), which become marked if they continue others.
+// Edges of level 1 (edge_rule.wgsl), which become marked if they continue others. Without CONTINUES one unwritten word.
 @group(0) @binding(9) var<storage, read_write> faint_edges: array<u32>;
 // A word for 16 samples of a row. Bits 0 to 15: the sample casts. Bits 16 to 31: the cell to its right and below it is
 // split.
 @group(0) @binding(10) var<storage, read_write> sample_bits: array<u32>;
 
 // 0: triangles with a marked edge are drawn. 1: also those with a sample that casts, at the end of a marked edge. 2: also
-// those with a sample that casts, beside such an end.
+// those with a sample that casts, beside an end that need not cast. All samples on the border of a map of a cube are ends.
 override RINGS: u32 = 2u;
 
 const BLOCK: u32 = 256u;
@@ -127,7 +127,7 @@ fn depth_edges_continue(
 struct Borders {
   // The position in the map of the sample of bit 0.
   in_map: vec2<i32>,
-  // A bit for each sample of a row that is in the first or last column of the map, or outside it.
+  // A bit for each sample of a row that is in the first or last column of the map, or outside it. 0 for a single map.
   columns: u32,
 }
 

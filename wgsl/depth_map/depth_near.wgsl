@@ -17,7 +17,8 @@ struct DepthNearBox {
   // The box of all samples whose surfaces may be before the near rectangle: its first sample; its columns and rows.
   first: vec2<u32>,
   size: vec2<u32>,
-  // A surface with a larger key (samples.wgsl), or a larger distance (contour.wgsl), is behind all of the near rectangle.
+  // A surface with a larger key (samples.wgsl, for `depth_near`) or a larger distance (contour.wgsl, for
+  // `depth_near_walls`) is behind all of the near rectangle.
   key: u32,
   distance: i32,
   unused: vec2<u32>,

@@ -17,7 +17,7 @@
 
 // The two triangles of a wall or flap have its vertices 0, 1, 2 and 0, 2, 3. Word 0 of the list is the number of
 // quadrilaterals that were found, more than there is room for if the list overflowed. From word 4 on the list has 12 words a
-// quadrilateral: four vertices of x and y on the lattice, in 1/256 texel, and a distance.
+// quadrilateral: four vertices of x and y on the lattice, in 1/256 texel, and a distance with the bias, or FAR.
 @vertex
 fn depth_walls(@builtin(vertex_index) index: u32) -> SurfaceVertex {
   let corner = index % 6u;
@@ -85,7 +85,8 @@ fn depth_walls_near_cap_fragment(@location(0) @interpolate(linear, sample) near_
 // length follow at offsets that contour_tiles.wgsl describes.
 @group(0) @binding(7) var<storage, read> counts: array<u32>;
 
-// Flaps extend less than so many texels from their wall, which lies in its tile.
+// Flaps extend less than so many texels from their wall, which lies in its tile. FLAP in src/gpu/depth_map/near.rs is the
+// same.
 const FLAP_LENGTH: i32 = 2;
 
 // Whether the segment between two points crosses the ray from the origin to the right. Their order does not matter. Rows go

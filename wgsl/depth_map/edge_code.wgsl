@@ -50,7 +50,8 @@ fn exceeds(large: u32, small: u32, threshold: u32) -> bool {
   return (threshold < large) & (mantissa(large) > high);
 }
 
-// Whether the edge between two samples is marked, by their keys. An edge with one far sample always is, one with two never.
+// Whether the edge between two samples is marked, by their keys alone, without objects. An edge with one far sample always
+// is, one with two never.
 fn is_marked(a: u32, b: u32) -> bool {
   // The result is dropped for far samples.
   let depths = vec2<u32>(depth_bits(a), depth_bits(b));
@@ -76,7 +77,7 @@ fn load_object(sample: vec2<u32>) -> u32 {
   return textureLoad(object_texture, vec2<i32>(sample) - select(1, 0, depth_map.faces > 1u), 0).x;
 }
 
-// Whether two samples, neither of them far, show different objects.
+// Whether two samples, neither of them far, show different objects. Only with `has_objects`: else there is one texel.
 fn is_object_edge(a: vec2<u32>, b: vec2<u32>) -> bool {
   return load_object(a) != load_object(b);
 }
@@ -127,7 +128,8 @@ fn sample_offset(index: u32) -> vec2<u32> {
   return vec2<u32>(index & 1u, index >> 1u);
 }
 
-// Bits 0 to 3: the edge code. Bits 4 to 11: two edges out of the cell at each of its samples, first the horizontal one.
+// Bits 0 to 3: the edge code. Bits 4 to 11: two edges out of the cell at each of its samples, first the horizontal one. For a
+// single map: in a cube these edges might lead into another map.
 fn edges_in_and_around(first_sample: vec2<u32>, keys: vec4<u32>) -> u32 {
   var code = 0u;
   // `opaque` keeps the loop from being unrolled into 12 copies of `is_marked`.

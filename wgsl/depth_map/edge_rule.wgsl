@@ -2,8 +2,8 @@
 // edges. No other stage imports it.
 // `edge_state` uses floats, and decides only where their rounding cannot matter: 0 or 1. Elsewhere it returns 2, and
 // `is_marked_exact` decides by integers. So marks are exact and the same on every device (docs/numerics/depth-maps.md,
-// "Exact decisions"). Change both functions only together. Level 0 is the detector's own rule. Level 1 has lower thresholds,
-// for edges that continue a dangling one.
+// "Exact decisions"). Change both functions only together. Neither knows objects (edge_strips.wgsl). Level 0 is the
+// detector's own rule. Level 1 has lower thresholds and factors, for edges that continue a dangling one.
 
 #import depth_map/edge_code
 #import depth_map/samples
@@ -14,7 +14,7 @@ struct DepthEdgeRule {
   words: vec2<u32>,
   // Blocks of 256 words.
   blocks: u32,
-  // Bits of the threshold above which every difference is marked.
+  // Bits of the threshold above which every difference is marked, if SECOND is 1. It is the same at both levels.
   high_threshold: u32,
   // Bits of the threshold up to which no difference is marked.
   low_thresholds: vec2<u32>,
@@ -29,8 +29,8 @@ struct DepthEdgeRule {
 @group(0) @binding(6) var<uniform> edge_rule: DepthEdgeRule;
 
 // How the differences beside an edge count, those to the samples before and after it in its row or column. 0: not at all;
-// the thresholds decide. 1: between both thresholds a difference must be larger than both beside it. 2: it must be larger
-// than one of them, and there are no thresholds.
+// the low threshold decides. 1: between both thresholds a difference must be larger than both beside it, times the factor
+// and with the noise. 2: it must be so much larger than one of them, and there are no thresholds.
 override SECOND: u32 = 0u;
 
 // Words of a wide integer in units of 2⁻²⁹⁸, lowest first, in two's complement.
@@ -160,7 +160,8 @@ fn edge_state(keys: vec4<u32>, level: u32) -> u32 {
   return select(state, select(0u, 1u, keys.y != keys.z), max(keys.y, keys.z) == FAR_KEY || keys.y == keys.z);
 }
 
-// Whether an edge is marked for which `edge_state` is 2. So neither sample is far, and their keys differ.
+// Whether an edge is marked for which `edge_state` is 2. So neither sample is far, their keys differ, and if SECOND is 1 the
+// difference is between both thresholds: these are not tested again.
 fn is_marked_exact(keys: vec4<u32>, level: u32) -> bool {
   let ends = vec2<u32>(depth_bits(keys.y), depth_bits(keys.z));
   var exceeded_sides = 0u;

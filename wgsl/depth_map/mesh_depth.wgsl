@@ -3,7 +3,8 @@
 // `mesh_depth` draws one mesh: an indexed draw of all faces (`MeshDepth::draw`). `scene_depth` draws casters of a scene: an
 // instance for each chunk, which is 64 faces of a caster, and three vertices a face (`SceneDepth::draw`). Both draw front
 // and back faces. They read positions in the caller's buffer or the scene's pages, transforms, faces and the light's matrix.
-// A position has the same depth bits in both draws, because `light_position` makes all vertices, at invariant positions.
+// A vertex with one transform has the same depth bits in both draws, because `light_position` makes all, at invariant
+// positions.
 // Keep its operations and their order: docs/numerics/depth-maps.md, "Depth of scenes", bounds their rounding.
 
 struct MeshDepthView {

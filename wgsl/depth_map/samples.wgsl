@@ -8,6 +8,7 @@
 // Keys come from bits, never from float arithmetic, so every device and the CPU have the same keys
 // (docs/numerics/depth-maps.md, "Exact decisions").
 
+// In the stages that write a map, fields other than `size`, `blocks`, `is_reversed` and `faces` are 0.
 struct DepthMapShape {
   // Texels of one map: width and height, without the border of the lattice.
   size: vec2<u32>,
@@ -15,11 +16,13 @@ struct DepthMapShape {
   cells: u32,
   // Blocks of 64 strips of cells (cell_words.wgsl); in the stages that write a map, blocks of 256 texels.
   blocks: u32,
-  // How many cells, or with contours walls, the list has room for.
+  // How many cells, or with contours walls and flaps, the list has room for.
   capacity: u32,
-  // 1: every edge but those between two far samples is marked. 0: edges with a difference above the threshold are.
+  // The rule of `is_marked` (edge_code.wgsl). Where `depth_edges` or contours mark edges by their own rules, it counts only
+  // if the list overflowed. 1: every edge but those between two far samples is marked. 0: edges with one far sample, or a
+  // difference above the threshold, are. Rust sets 1 for `EveryCell`, and for all methods with `depth_edges`.
   every_cell: u32,
-  // Bits of the threshold as a float. The threshold is a difference of device depths.
+  // Bits of the threshold of `is_marked` as a float. The threshold is a difference of device depths.
   threshold: u32,
   // 1: the near plane has depth 1 and the far end 0.
   is_reversed: u32,
@@ -27,8 +30,9 @@ struct DepthMapShape {
   faces: u32,
   // 1: edges between different objects are marked.
   has_objects: u32,
-  // 1: triangles with a sample at the end of a marked edge are drawn, too. Rust sets it if the boundary has several bits of
-  // the stencil.
+  // 1: triangles with a sample that is not far at the end of a marked edge are drawn, too (`depth_edges` has RINGS instead),
+  // and slopes are those of the steeper side (surface.wgsl). Rust sets it if the boundary has several bits of the stencil,
+  // which a cube has not.
   spread: u32,
   // 0.
   unused: u32,
@@ -53,7 +57,7 @@ fn sample_key(bits: u32) -> u32 {
   return select(select(clamped, ONE - clamped, is_reversed), FAR_KEY, is_far | (magnitude > 0x7f800000u));
 }
 
-// The bits of a depth from its key, which must not be FAR_KEY.
+// The bits of a depth from its key. For FAR_KEY they have no meaning, and callers drop them.
 fn depth_bits(key: u32) -> u32 {
   return select(key, ONE - key, depth_map.is_reversed != 0u);
 }
@@ -63,8 +67,9 @@ fn depth_bits_or_far(key: u32) -> u32 {
   return select(depth_bits(key), select(ONE, 0u, depth_map.is_reversed != 0u), key == FAR_KEY);
 }
 
-// The key of a sample. Outside of a single map it is FAR_KEY. Outside of a map of a cube the result has no meaning, and
-// callers drop it. Samples of the border load a texel too, so that there is one load without a branch.
+// The key of a sample. Outside of a single map it is FAR_KEY. Outside of a map of a cube the result has no meaning. Callers
+// drop it, or are reached only with `spread`, so never for a cube. Samples of the border load a texel too, so that there is
+// one load without a branch.
 fn load_key(sample: vec2<u32>) -> u32 {
   let is_cube = depth_map.faces > 1u;
   let inside = clamp(sample, vec2<u32>(1u), depth_map.size);
@@ -111,7 +116,7 @@ fn integer_dot(a: vec3<i32>, b: vec3<i32>) -> i32 {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-// The direction from the light to a sample. Its largest component is the number of cells along a side of the map.
+// The direction from the light to a sample. The size of its largest component is the number of cells along a side of the map.
 fn sample_direction(face: u32, sample: vec2<u32>) -> vec3<i32> {
   let axes = cube_face(face);
   let last = i32(depth_map.size.x) - 1;

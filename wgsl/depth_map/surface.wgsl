@@ -26,13 +26,15 @@ struct DepthMapView {
   near_across: vec4<f32>,
   near_up: vec4<f32>,
   near_middle: vec4<f32>,
-  // x, y, z: the factors of x, y and 1 in the depth at infinity. w: 1 for a parallel light, which has no such depth.
+  // x, y, z: the factors in the depth at infinity of x, y and 1, as for `across`. w: 1 for a parallel light, which has no
+  // such depth.
   infinity: vec4<f32>,
-  // The bias is the sum of x times the slopes, y times the depth, and z.
+  // The bias is the sum of x times the slopes, y times the depth, and z. Shaders take it and `infinity.w` from the first view
+  // for all maps, so that these have one vertex where they meet.
   bias: vec4<f32>,
 }
 
-// The list of `depth_cells`: its length, then its entries. With contours the list of walls (depth_walls.wgsl).
+// The list of `depth_cells`: the number of cells, then the entries. With contours the list of walls (depth_walls.wgsl).
 @group(0) @binding(2) var<storage, read> cells: array<u32>;
 // One for each map.
 @group(0) @binding(3) var<storage, read> views: array<DepthMapView>;
@@ -121,7 +123,7 @@ fn depth_slopes(sample: vec2<u32>) -> f32 {
   return depth_slopes_in_map(sample);
 }
 
-// The depth of a sample that is not far, with the bias, which is at most half of the distance to the far plane.
+// The depth of a sample that is not far, with the bias, which is at most half of the depth difference to the far end.
 fn biased_depth(sample: vec2<u32>, key: u32) -> f32 {
   let depth = depth_of(key);
   let is_reversed = depth_map.is_reversed != 0u;
@@ -238,12 +240,11 @@ fn is_behind_triangle(point: NearPoint) -> bool {
   }
   let first = corner + vec2<u32>(cell);
   let fraction = point.lattice - cell;
-  let entry = cell_entry_bits(first);
-  let is_split = (entry & SPLIT) != 0u;
-  let is_second = select((fraction.x < fraction.y), (fraction.x + fraction.y > 1.0), is_split);
+  let split = is_split(load_cell_keys(first));
+  let is_second = select((fraction.x < fraction.y), (fraction.x + fraction.y > 1.0), split);
   // Barycentric weights of the samples (0, 0), (1, 0), (0, 1), (1, 1).
   var weights = vec4<f32>(1.0 - fraction.x, fraction.x - fraction.y, 0.0, fraction.y);
-  if (is_split) {
+  if (split) {
     weights = vec4<f32>(1.0 - fraction.x - fraction.y, fraction.x, fraction.y, 0.0);
     if (is_second) {
       weights = vec4<f32>(0.0, 1.0 - fraction.y, 1.0 - fraction.x, fraction.x + fraction.y - 1.0);
@@ -269,8 +270,10 @@ fn is_behind_triangle(point: NearPoint) -> bool {
 // draw of `depth_cells`. If the list overflowed it has six for every cell, and decides about each as `depth_cells_count`
 // would. It cannot know the marks of `depth_edges`: where these made the list, it draws every triangle that has a sample
 // that is not far. With contours it is drawn only if the list of walls overflowed.
-// `depth_near_cap`, with `depth_near_cap_fragment`, is a triangle over the whole picture that inverts the bit where the near
-// rectangle is in shadow. It has 3 vertices, or 0 if `depth_near` or `depth_near_walls` found the rectangle in light.
+// `depth_near_cap`, with `depth_near_cap_fragment` or that of depth_walls.wgsl, is a triangle over the whole picture that
+// inverts the bit where the near rectangle is in shadow. It is left out if the CPU, `depth_near` or `depth_near_walls` found
+// the rectangle in light. For pixels of one sample `drawn_wgsl` (src/gpu/depth_map/pipelines.rs) replaces the text of the
+// attribute that interpolates `near_position`: keep it, also in depth_walls.wgsl, and read no other value of a sample.
 // Together they invert the bit exactly where the visible point is behind the boundary, unless a detector missed an edge.
 
 // Vertices 0 to 2 are the first triangle of a cell, 3 to 5 the second. A triangle that is not drawn is degenerate.

@@ -45,7 +45,9 @@ pub fn limits(lights: u32, exact_items: u32) -> Limits<'static> {
         // Cells that the walks of a subgroup go over in all, for two tiles. They are each cell through which a contour goes,
         // once, and both ends of 16 walks that the lanes begin together.
         ("TILE_NODES", 2 * (256 + 32)),
-        ("TILE_WALLS", 2048),
+        // Twelve for each cell: in a junction of four edges, a wall and a flap over the half segment to each edge, and four more
+        // walls where surfaces end within walls.
+        ("TILE_WALLS", 12 * 256),
         ("BOUNDARY_EDGES", 1024),
         // An invocation takes all edges and triangles of a small boundary, 32 of each, and 64 of them share those of a
         // large one: of 1,024 edges with 2,048 triangles 16 and 32. An edge has four turns and a triangle seven.
