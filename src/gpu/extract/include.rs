@@ -37,7 +37,7 @@ use crate::stages::source;
 /// |---|---|
 /// | `valid: bool` | False: draw nothing; the other members mean nothing. The list overflowed, so the draw goes over all edge records, and this one is no silhouette |
 /// | `edge: u32`, `a: u32`, `b: u32` | The index of the edge record, and its vertices. Face 0 traverses it from `a` to `b` |
-/// | `winding: bool` | Whether face 0 faces the light. If so, (b, a, far a, far b) is counter-clockwise from outside the shadow volume |
+/// | `winding: bool` | Whether face 0 faces the light; if face 0 is twisted, the bit of face 1 for the direction of face 0. If set, (b, a, far a, far b) is counter-clockwise from outside the shadow volume |
 /// | `kind: u32` | 0 consistent, 1 inconsistent, 2 boundary |
 ///
 /// The bindings, 0 to 6: `rimline_info`, `rimline_positions`, `rimline_edge_vertices`, `rimline_edge_faces`,
