@@ -76,11 +76,12 @@ pub fn results_bind_group_layout(device: &wgpu::Device, visibility: wgpu::Shader
 }
 
 impl Shared {
-    /// The bind group of the include for a batch of lights.
+    /// The bind group of the include for a batch of lights, of which the encode has `lights`.
     pub(crate) fn include_group(
         &self,
         layout: &wgpu::BindGroupLayout,
         batch: usize,
+        lights: usize,
         positions: PositionBuffer<'_>,
     ) -> Result<wgpu::BindGroup, ExtractorError> {
         let (device, limits, shape) = (self.device(), &self.limits, &self.shape);
@@ -99,7 +100,7 @@ impl Shared {
             edges: shape.edges as u32,
             capacity: shape.capacity,
             first_light: 32 * batch as u32,
-            lights: shape.batch_lights(batch) as u32,
+            lights: lights as u32,
             position_offset: bound.offset_words,
             position_stride: bound.stride_words,
             twisted_offset: shape.twisted_offset(),
