@@ -1,10 +1,11 @@
-// Exact facing: computes the masks of the faces that `facing` left undecided, for a single mesh or a scene. Dispatched right
-// after each dispatch of `facing`, with few invocations that share the list, or all faces if the list overflowed. Bits are
-// the signs of det[b - a, c - a, l - w a], exact and the same on every device. A bound for each light decides most of them
-// (docs/numerics/facing.md, "Filter"). Integers decide the others, because no compiler can round, fuse or flush them. Fixed
-// point is used if the numbers fit, otherwise digits that hold every finite f32 ("Exact facing"). The stage also writes for
-// which lights a face is excluded (`excluded_masks`), for shadow volumes. facing.wgsl names the readers of facing masks.
-// Slots and light indices are defined in interface/caster.wgsl.
+// Exact facing: computes the masks of the faces that `facing` left undecided, for a single mesh or a scene. Dispatched
+// after `facing`, for a single mesh right after each of its dispatches, as these have one list. Few invocations share the
+// list, or all faces if it overflowed. Bits are the signs of det[b - a, c - a, l - w a], exact and the same on every
+// device. A bound for each light decides most of them (docs/numerics/facing.md, "Filter"). Integers decide the others,
+// because no compiler can round, fuse or flush them. Fixed point is used if the numbers fit, otherwise digits that hold
+// every finite f32 ("Exact facing"). The stage also writes for which lights a face is excluded (`excluded_masks`), for
+// shadow volumes. facing.wgsl names the readers of facing masks. Slots and light indices are defined in
+// interface/caster.wgsl.
 
 #import common/determinant
 #import common/exact_sign

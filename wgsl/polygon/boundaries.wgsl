@@ -39,7 +39,8 @@ const GROUP_CUTS: u32 = 8u;
 
 // Words of a record.
 // * POLYGON: the polygon, with bit 31 (NOT_FINITE) if a corner is not finite.
-// * LIGHTS: bits of the undecided lights; after `polygon_masks`, those for which `cut_edges` cuts the boundary.
+// * LIGHTS: bits of the undecided lights, with NOT_FINITE all active ones; after `polygon_masks`, those for which `cut_edges`
+//   cuts the boundary.
 // * IN_HALF_SPACE to OFF_PLANE: `polygon_pairs` sets a light's bit if one edge shows it. All corners lie in a half-space as
 //   seen from the light; the edge meets another, or the winding number on its left is not 0 or 1; that number is 1; it is 0;
 //   the edge and a corner are not in one plane with the light.
