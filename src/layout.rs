@@ -119,7 +119,7 @@ shared_structs! {
     struct EdgeMasks {
         /// Set if the edge is a silhouette edge.
         silhouette: u32;
-        /// Set if face 0 faces the light.
+        /// Set if face 0 faces the light. If face 0 is twisted, the bit of face 1 for the direction of face 0.
         winding: u32;
     }
 

@@ -18,7 +18,8 @@ use rimline_testkit::pipelines::group;
 use rimline_testkit::random::Random;
 use rimline_testkit::{lights, must_fail, same};
 
-pub(crate) const TESTS: &[Test] = &[("the_include_reads_what_the_twin_finds", read)];
+pub(crate) const TESTS: &[Test] =
+    &[("the_include_reads_what_the_twin_finds", read), ("lights_that_an_encode_lacks_have_no_edge", lacked)];
 
 pub(crate) const LIGHTS: usize = 40;
 const OFFSET: u64 = 260;
@@ -73,6 +74,14 @@ impl Scene {
         Ok(Self { mesh, positions, twin, extractor, extraction })
     }
 
+    /// Encodes the same positions for other lights.
+    fn encode(&mut self, gpu: &Gpu, lights: &[Light]) -> Result<(), String> {
+        let Self { extractor, extraction, .. } = self;
+        self.extraction =
+            gpu.submit(|encoder| extractor.encode(encoder, extraction.positions(), lights).map_err(text))?;
+        Ok(())
+    }
+
     /// Entries that the reader must find for a light.
     pub(crate) fn expected(&self, light: usize) -> Vec<[u32; 8]> {
         let edges = self.mesh.edges();
@@ -93,17 +102,29 @@ impl Scene {
 /// Entries that the reader found for a light in the results of a batch: the valid edges, eight words each, in the order
 /// of the edges.
 fn read_light(gpu: &Gpu, scene: &Scene, light: usize, batch: usize) -> Result<Vec<[u32; 8]>, String> {
+    let results = results_bind_group_layout(&gpu.device, wgpu::ShaderStages::COMPUTE);
+    read_by(READER, &results, gpu, scene, light, batch)
+}
+
+/// The same by a reader, with the layout of the include's bind group.
+fn read_by(
+    reader: &str,
+    results: &wgpu::BindGroupLayout,
+    gpu: &Gpu,
+    scene: &Scene,
+    light: usize,
+    batch: usize,
+) -> Result<Vec<[u32; 8]>, String> {
     let device = &gpu.device;
-    let source = format!("{READER}{}", include_wgsl(1));
+    let source = format!("{reader}{}", include_wgsl(1));
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("reader"),
         source: wgpu::ShaderSource::Wgsl(source.into()),
     });
-    let results = results_bind_group_layout(device, wgpu::ShaderStages::COMPUTE);
     let output_layout = storage_layout(gpu, &[(0, true), (1, false)]);
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some("reader"),
-        bind_group_layouts: &[Some(&output_layout), Some(&results)],
+        bind_group_layouts: &[Some(&output_layout), Some(results)],
         immediate_size: 0,
     });
     let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
@@ -121,7 +142,7 @@ fn read_light(gpu: &Gpu, scene: &Scene, light: usize, batch: usize) -> Result<Ve
     let found = gpu.storage(&vec![u32::MAX; 8 * edges]);
     let draws = scene.extractor.results().draw_arguments;
     let group = group(device, &output_layout, [draws, &found].map(wgpu::Buffer::as_entire_binding));
-    let results = scene.extraction.bind_group(&results, batch).map_err(text)?;
+    let results = scene.extraction.bind_group(results, batch).map_err(text)?;
     gpu.submit(|encoder| {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         pass.set_pipeline(&pipeline);
@@ -163,4 +184,29 @@ fn read() -> Result<(), String> {
         }
     }
     if twisted > 500 { Ok(()) } else { Err(format!("{twisted} twisted pairs")) }
+}
+
+/// The extractor has room for more lights than the encode has, and its bind group is cached. The reader asks for all edge
+/// records.
+fn lacked() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut random = Random::new(83);
+    let reader = READER
+        .replace("draws[LIGHT].y", "rimline_info.edges")
+        .replace("rimline_silhouette(LIGHT, id.x)", "rimline_edge(LIGHT, id.x)");
+    let results = results_bind_group_layout(&gpu.device, wgpu::ShaderStages::COMPUTE);
+    for case in topologies() {
+        let what = case.0.clone();
+        let lights = lights(&mut random, LIGHTS);
+        let mut scene = Scene::new(gpu, case, &lights, ListOptions::default())?;
+        // With all lights the reader finds edges: that is the control.
+        for (count, light) in [(LIGHTS, 25), (20, 25), (LIGHTS, 36), (33, 36)] {
+            scene.encode(gpu, &lights[..count])?;
+            let found = read_by(&reader, &results, gpu, &scene, light, light / 32)?;
+            if found.is_empty() != (light >= count) {
+                return Err(format!("{what}: light {light} of {count} has {} edges", found.len()));
+            }
+        }
+    }
+    Ok(())
 }

@@ -1,9 +1,10 @@
-// Stage `compact` (`arguments` is below): makes lists of silhouette edges for each light of a batch (up to 32), in edge order, for callers that ask for
-// ordered lists. It reads the masks of `edges` or `per_edge`, which then append nothing. Three passes for each batch.
-// `compact_count`: an invocation an edge; counts the bits of each block of 256 edges. `compact_scan`: a workgroup a light;
-// turns the counts into offsets and writes the light's count. `compact_scatter`: an invocation an edge; writes the lists,
-// for `arguments`, callers and shadow volumes. Lists are the same on every device. Bit 31 of an entry is the winding: face 0
-// of the edge faces the light. The count of a light includes entries that its list has no room for.
+// Stage `compact` (`arguments` is below): makes lists of silhouette edges for each light of a batch (up to 32), in edge
+// order, for callers that ask for ordered lists. Scenes do not. It reads the masks of `edges` or `per_edge`, which then
+// append nothing. Three passes for each batch. `compact_count`: an invocation an edge; counts the silhouettes of each light
+// in each block of 256 edges. `compact_scan`: a workgroup a light, for all chunks at once; turns the counts into offsets and
+// writes the light's count. `compact_scatter`: an invocation an edge; writes the lists. Chunks begin at multiples of BLOCK,
+// and their workgroups are one row. Lists are the same on every device. Bit 31 of an entry is the winding (`EdgeMasks`).
+// The count of a light includes entries that its list has no room for.
 
 #import common/extraction
 
@@ -123,9 +124,10 @@ fn compact_scatter(
 }
 
 // Stage `arguments`: makes the indirect draw of each light's list of silhouette edges, and counts lists that overflowed in
-// the statistics. Dispatched once at the end of an extraction, also if nothing was compacted, an invocation a light; in a
-// scene for each group of casters and batch of up to 32 lights. The draw of a list that overflowed has an instance for every
-// edge. The caller's vertex shader rejects those that are no silhouettes (extract/results.wgsl): slower, never wrong.
+// the statistics. Dispatched once at the end of an extraction with lists, also if nothing was compacted, for all lights that
+// there is room for; in a scene for each group of casters and batch of up to 32 lights. The draw of a list that overflowed
+// has an instance for every edge record, in a scene every edge slot. Vertex shaders reject by the facing masks those that
+// are no silhouettes (extract/results.wgsl, outline/scene_edges.wgsl): slower, never wrong. `per_edge` makes no facing masks.
 
 @group(0) @binding(0) var<uniform> shape: DrawShape;
 @group(0) @binding(2) var<storage, read_write> draw_arguments: array<DrawArguments>;

@@ -30,7 +30,7 @@ fn facing_mask(face: u32) -> u32 {
 
 // From the first record of `chunk` on.
 @group(0) @binding(7) var<storage, read_write> masks: array<EdgeMasks>;
-// For each light of all batches the number of its silhouette edges.
+// For each light of all batches the number of its silhouette edges. 0 before the first batch.
 @group(0) @binding(8) var<storage, read_write> counts: array<atomic<u32>>;
 // The lists of the batch, each with room for `chunk.capacity` entries.
 @group(0) @binding(9) var<storage, read_write> list: array<u32>;
@@ -38,7 +38,7 @@ override WRITE_MASKS: bool = true; // Whether to write masks.
 override APPEND: bool = true; // Whether to append silhouettes to lists. If not, `compact` may make lists in edge order.
 
 // Writes the masks of an edge record, an index counted from the first of `chunk`, and appends it to the lists of the lights
-// in `silhouette`. It has no barrier: invocations may have ended.
+// in `silhouette`, which must be active. It has no barrier: invocations may have ended.
 fn emit(edge: u32, silhouette: u32, winding: u32) {
   if (WRITE_MASKS) {
     masks[edge] = EdgeMasks(silhouette, winding);

@@ -1,11 +1,11 @@
 // Edges: computes the silhouette and winding masks of each edge record from the facing masks of its faces. A mask has a bit
 // for each light of a batch (up to 32). Silhouettes are boundaries, and records whose two faces have different bits (equal
-// bits if both traverse the edge the same way). Dispatched after `exact_facing` (after `facing` if signs need not be exact;
-// after `polygon_masks` for polygons), an invocation a record. Options select its results: masks, for `compact` and
-// callers; entries appended to the lists of the lights, in no particular order, for callers and shadow volumes; or both.
-// SCENE: eight invocations share a chunk (64 slots) that `chunks` listed, for lights with dirty lists, and it only appends.
-// Slots are defined in interface/caster.wgsl. Facing bits must be read, never computed again: only then do silhouettes
-// close. Claim: docs/numerics/watertight.md.
+// bits if both traverse the edge the same way); twisted faces count as absent. Dispatched after `exact_facing` (after
+// `facing` if signs need not be exact; after `polygon_masks` for polygons), an invocation a record. Options select its
+// results: masks, for `compact` and callers; entries appended to the lists of the lights, in no particular order, for
+// callers and shadow volumes; or both. SCENE: eight invocations share a chunk (64 slots) that `chunks` listed, for lights
+// with dirty lists, and it only appends. Slots are defined in interface/caster.wgsl. Facing bits must be read, never
+// computed again: only then do silhouettes close. Claim: docs/numerics/watertight.md.
 
 #import common/extraction
 #import interface/caster
@@ -49,9 +49,9 @@ fn twisted_offset() -> u32 { return chunk.twisted_offset; }
 
 @group(0) @binding(6) var<storage, read> edge_faces: array<vec2<u32>>;
 
-// Decides an edge record: `slot` is its index in masks and lists, `index` that in `edge_faces`. INCONSISTENT: both faces
-// traverse the edge the same way, so their fronts are on different sides. Then the edge is a silhouette if the bits are
-// equal.
+// Decides an edge record: `slot` is its index in the bound masks, in a scene also in lists, `index` that in `edge_faces`.
+// INCONSISTENT: both faces traverse the edge the same way, so their fronts are on different sides. Then the edge is a
+// silhouette if the bits are equal.
 fn process_item(slot: u32, index: u32) {
   let faces = edge_faces[index];
   if (twisted_offset() != 0u) {

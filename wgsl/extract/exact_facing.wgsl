@@ -1,10 +1,11 @@
-// Exact facing: computes the masks of the faces that `facing` left undecided, for a single mesh or a scene. Dispatched right
-// after each dispatch of `facing`, with few invocations that share the list, or all faces if the list overflowed. Bits are
-// the signs of det[b - a, c - a, l - w a], exact and the same on every device. A bound for each light decides most of them
-// (docs/numerics/facing.md, "Filter"). Integers decide the others, because no compiler can round, fuse or flush them. Fixed
-// point is used if the numbers fit, otherwise digits that hold every finite f32 ("Exact facing"). The stage also writes for
-// which lights a face is excluded: those in its plane, or all if a vertex is not finite. `edges` reads the facing masks,
-// shadow volumes read both. Slots and light indices are defined in interface/caster.wgsl.
+// Exact facing: computes the masks of the faces that `facing` left undecided, for a single mesh or a scene. Dispatched
+// after `facing`, for a single mesh right after each of its dispatches, as these have one list. Few invocations share the
+// list, or all faces if it overflowed. Bits are the signs of det[b - a, c - a, l - w a], exact and the same on every
+// device. A bound for each light decides most of them (docs/numerics/facing.md, "Filter"). Integers decide the others,
+// because no compiler can round, fuse or flush them. Fixed point is used if the numbers fit, otherwise digits that hold
+// every finite f32 ("Exact facing"). The stage also writes for which lights a face is excluded (`excluded_masks`), for
+// shadow volumes. facing.wgsl names the readers of facing masks. Slots and light indices are defined in
+// interface/caster.wgsl.
 
 #import common/determinant
 #import common/exact_sign
@@ -14,8 +15,8 @@
 @group(0) @binding(6) var<storage, read> faces: array<u32>;
 @group(0) @binding(7) var<storage, read_write> facing_masks: array<u32>;
 @group(0) @binding(8) var<storage, read_write> record: FacingRecord;
-// For each face the lights for which it is excluded: those in its plane (determinant 0), and all if a vertex is not finite.
-// An extractor that is not for volumes binds a short buffer.
+// For each face the lights for which it is excluded: all if a vertex is not finite, none if it names a vertex twice, else
+// those in its plane (determinant 0). An extractor that is not for volumes binds a few words, which nobody reads.
 @group(0) @binding(9) var<storage, read_write> excluded_masks: array<u32>;
 
 struct Face {
@@ -61,7 +62,7 @@ fn filter_lights(face: Face) -> Decision {
     let l = scaled_light(light_index);
     let to_light = l.xyz - l.w * a;
     let d = local_form(n, a, l);
-    // The product w a rounds only if w is not a power of two. A tiny w counts as such, because w a may underflow.
+    // The product w a rounds only if w is not a power of two. A tiny w counts as if it rounds: w a may underflow.
     let sizes = abs(to_light) + inexact_w(light_index) * abs(a);
     let bound = RELATIVE * (n_abs.x * sizes.x + n_abs.y * sizes.y + n_abs.z * sizes.z) +
       underflow * (1.0 + sizes.x + sizes.y + sizes.z);

@@ -12,11 +12,13 @@
 
 @group(0) @binding(6) var<storage, read> faces: array<u32>;
 @group(0) @binding(7) var<storage, read_write> facing_masks: array<u32>;
+// `undecided_count` is 0 before each dispatch.
 @group(0) @binding(8) var<storage, read_write> record: FacingRecord;
 // The excluded masks, as in exact_facing.wgsl. This stage clears stale bits and, if not EXACT, sets those of faces that are
 // not finite.
 @group(0) @binding(9) var<storage, read_write> excluded_masks: array<u32>;
-override EXACT: bool = true; // If false, bits are the signs of f32 determinants.
+// If false, bits are the signs of f32 determinants. It must be false with PLANE, for which no bound holds.
+override EXACT: bool = true;
 
 fn plane_determinant(n: vec3<f32>, a: vec3<f32>, light_index: u32) -> f32 {
   return plane_form(plane_through(n, a), bitcast<vec4<f32>>(given_light(light_index)));

@@ -1,9 +1,9 @@
-// A single mesh as a caster: implements interface/caster.wgsl for `facing`, `exact_facing`, `edges`, `per_edge` and the
-// stages of polygons. It holds the faces and lights of a dispatch and the layout of positions. A light index is the light's
-// bit. A face's slot is its index, counted from the first face of the dispatch (`chunk`), where bindings begin. For polygons
-// `chunk` counts polygons. Some functions return constants, because scenes (scene/many_casters.wgsl,
-// scene/listed_chunks.wgsl) need more. The test that composes all stages fails if one side lacks a function. Rust finds
-// bindings by name.
+// A single mesh as a caster: implements interface/caster.wgsl, but for `position_bits`. `facing`, `exact_facing` and `edges`
+// take it by the interface, `per_edge` and the stages of polygons import it. It holds the items and lights of a dispatch and
+// the layout of positions. A light index is the light's bit. A slot is the index of a face or edge record, counted from the
+// first of the dispatch (`chunk`), where bindings begin. For polygons `chunk` has all polygons. Some functions return
+// constants, because scenes (scene/many_casters.wgsl, scene/listed_chunks.wgsl) need more. The test that composes all
+// stages fails if one side lacks a function. Rust finds bindings by name.
 //
 // Expects: `process_item(slot, index)`, called by the last two functions. src/compose.rs leaves out functions that no entry
 // point reaches, so files that call neither need none.
@@ -40,13 +40,13 @@ fn active_bits() -> u32 { return batch.active_bits; }
 fn tested_indices() -> u32 { return 0xffffffffu; }
 fn lights_of_indices(index_mask: u32) -> u32 { return index_mask & batch.active_bits; }
 
-// No mask has bits of an earlier encode: `Extractor::encode` clears the excluded masks before the first stage.
+// No bit of an earlier encode stays: facing masks are overwritten, and excluded masks are cleared before the first stage.
 // `clear_active` is never called.
 fn updated_bits(mask: u32, bits: u32) -> u32 { return bits; }
 fn clear_active(mask: u32) -> u32 { return 0u; }
 fn has_stale_exclusions() -> bool { return false; }
 
-// An invocation processes one item of `chunk`, a face or an edge record.
+// An invocation processes one item of `chunk`, a face or an edge record. `step` has no effect.
 fn process_faces(first: u32, step: u32) {
   if (first < chunk.count) {
     process_item(first, first);

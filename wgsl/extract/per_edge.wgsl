@@ -3,7 +3,8 @@
 // invocation a record. A record is a directed edge with one or two faces. It gathers the positions of their three or four
 // vertices, tests the faces against every light, then writes masks and lists as `edges` does, for `compact`, `arguments` and
 // callers. It computes the plane form, as published, or the local form (common/determinant.wgsl), in f32; it has no exact
-// form. Each edge decides its faces again, so loops may fail to close.
+// form, and no test for vertices that are not finite: bits of their faces mean nothing, and statistics do not count them.
+// Each edge decides its faces again, so loops may fail to close.
 // Gathering and testing at each edge is what is measured: do not share work. Claim: docs/numerics/facing.md, "Per edge".
 
 #import common/determinant

@@ -30,7 +30,8 @@ struct RimlineSilhouette {
   edge: u32,
   a: u32,
   b: u32,
-  // Whether face 0 faces the light. If so, (b, a, far a, far b) is counter-clockwise as seen from outside the shadow volume.
+  // The facing bit of face 0 or, if face 0 is twisted, that of face 1 for the direction of face 0. If set, (b, a, far a,
+  // far b) is counter-clockwise as seen from outside the shadow volume.
   winding: bool,
   kind: u32, // 0 consistent, 1 inconsistent, 2 boundary.
 }
@@ -78,7 +79,7 @@ fn rimline_is_twisted(face: u32, light: u32) -> bool {
     && (rimline_facing[rimline_info.twisted_offset + face] & rimline_light_bit(light)) != 0u;
 }
 
-// The number of silhouette edges of a light, including those that its list has no room for.
+// The number of silhouette edges of a light of any batch, including those that its list has no room for.
 fn rimline_silhouettes(light: u32) -> u32 {
   return rimline_counts[light];
 }

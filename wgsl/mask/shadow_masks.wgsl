@@ -59,7 +59,8 @@ fn mask_dark() -> @location(0) f32 {
   return 1.0;
 }
 
-// The bits of up to 32 lights at a sample of a pixel.
+// The bits of up to 32 lights at a sample of a pixel. If the texture has one channel, only the low 8 bits have a meaning:
+// its alpha reads as 1. Without SAMPLES, `sample` is the mip level and must be 0.
 fn mask_bits(pixel: vec4<f32>, sample: u32) -> u32 {
   return pack4x8unorm(textureLoad(mask_source, vec2<i32>(pixel.xy), sample));
 }

@@ -4,7 +4,8 @@
 
 #import extract/results
 
-// A bit for each edge record, set if the caller marked the edge. Only `outline_feature` reads them.
+// A bit for each edge record, set if the caller marked the edge. Only `outline_feature` reads them, and only if the class
+// MARKED is drawn: without marks another buffer is bound.
 @group(1) @binding(3) var<storage, read> outline_marks: array<u32>;
 
 fn outlined_silhouette(instance: u32) -> RimlineSilhouette { return rimline_silhouette(outline.light, instance); }

@@ -15,9 +15,9 @@ struct OutlineView {
   // The camera's matrix, by columns, and the point that positions are relative to.
   columns: array<vec4<f32>, 4>,
   origin: vec3<f32>,
-  // Half the width of a line, in pixels.
+  // Half the width of a line, in pixels, at least 0.5.
   half_width: f32,
-  // Colours, not premultiplied.
+  // Colours, not premultiplied. Lines of less than a pixel have a smaller alpha instead.
   silhouette: vec4<f32>,
   boundary: vec4<f32>,
   crease: vec4<f32>,
@@ -28,7 +28,7 @@ struct OutlineView {
   depth_bias: f32,
   // The edge of two faces is a crease if the cosine between their normals is smaller.
   crease_cosine: f32,
-  // The index of the light that stands for the eye.
+  // The index of the light that stands for the eye, in an extraction only: `OutlinedGroup` has it for scenes.
   light: u32,
   // A bit for each class that is drawn, from bit 0 on: silhouettes, boundaries, creases, marked edges.
   classes: u32,
@@ -38,7 +38,7 @@ struct OutlineView {
 }
 
 @group(1) @binding(0) var<uniform> outline: OutlineView;
-// The caller's depth. It is bound as floats, because OpenGL cannot load texels of depth textures.
+// The caller's depth, of which sample 0 is read. It is bound as floats, because OpenGL cannot load texels of depth textures.
 #if SAMPLES
 @group(1) @binding(1) var outline_depth: texture_multisampled_2d<f32>;
 #else
@@ -46,7 +46,7 @@ struct OutlineView {
 #endif
 // The vertices of faces, three each. Only `outline_feature` reads them.
 @group(1) @binding(2) var<storage, read> outline_faces: array<u32>;
-const NO_EDGE: u32 = 3u; // The kind of a slot without an edge.
+const NO_EDGE: u32 = 3u; // The kind of a slot without an edge, or of a caster for which the light is not relevant.
 // Bits of `classes`.
 const CREASES: u32 = 4u;
 const MARKED: u32 = 8u;
@@ -68,7 +68,7 @@ fn no_line() -> OutlinePoint {
 }
 
 // The distance, in clip space, of a point from a plane that clips lines: near, left, right, bottom, top. Inside it is
-// positive. The four side planes lie outside the frustum by the width of a line.
+// positive. The four side planes lie outside the frustum by half the width of a line and two pixels.
 fn clip_distance(plane: u32, clip: vec4<f32>) -> f32 {
   if (plane == 0u) {
     return select(clip.z, clip.w - clip.z, outline.is_reversed == 1u);
@@ -92,7 +92,7 @@ fn line_corner(corner: u32, a: u32, b: u32, color: vec4<f32>) -> OutlinePoint {
   // Turns: 5.
   for (var plane = 0u; plane < 5u; plane++) {
     let inside = vec2<f32>(clip_distance(plane, from_clip), clip_distance(plane, to_clip));
-    // The test fails also if a position is not finite.
+    // NaN is not inside. A line with one end that is not finite may pass: its pixels have no meaning.
     if (!(inside.x > 0.0 || inside.y > 0.0)) {
       return no_line();
     }

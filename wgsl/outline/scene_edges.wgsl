@@ -14,7 +14,7 @@
 
 // A group of casters and a light.
 struct OutlinedGroup {
-  edge_chunks_offset: u32, // The offset in the table, in vec4s, of the casters of all chunks of edges.
+  edge_chunks_offset: u32, // The offset in the table, in vec4s, of the casters of the group's chunks of edges.
   relevant_lights_offset: u32, // The offset in `relevant_lights` of the light's batch, for the first caster of the table.
   capacity: u32, // Entries that the list of each light has room for.
   twisted_offset: u32, // The offset of the twisted masks, which lie behind the facing masks. 0: there are none.
@@ -34,7 +34,7 @@ struct OutlinedGroup {
 @group(0) @binding(7) var<storage, read> silhouettes: array<u32>; // The counts of all lights, then the lists.
 const LISTS_HEAD: u32 = 64u; // Words before the lists.
 
-// The caster of the edge that `outlined_record` read last.
+// The caster of the slot that `outlined_record` read last.
 var<private> outlined_caster: u32;
 
 fn outlined_silhouette(instance: u32) -> RimlineSilhouette {

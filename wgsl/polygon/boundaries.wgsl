@@ -3,8 +3,8 @@
 // the directed edges around a polygon, in one loop or several; edges that it walks both ways have cancelled. `undecided`
 // holds: a head, the arguments of indirect dispatches, reset for each batch; a record for each polygon to decide; and
 // entries, each some edges and lights of a record for one workgroup. Records and entries come in no particular order, and no
-// result may depend on it. src/gpu/extract/polygon_buffers.rs writes the same layout and has the same constants.
-// docs/numerics/polygons.md.
+// result may depend on it. src/gpu/extract/polygon_buffers.rs has the same layout and constants, but offsets in the head in
+// bytes. docs/numerics/polygons.md.
 
 #import common/positions
 #import extract/one_caster
@@ -39,13 +39,14 @@ const GROUP_CUTS: u32 = 8u;
 
 // Words of a record.
 // * POLYGON: the polygon, with bit 31 (NOT_FINITE) if a corner is not finite.
-// * LIGHTS: bits of the undecided lights; after `polygon_masks`, those for which `cut_edges` cuts the boundary.
+// * LIGHTS: bits of the undecided lights, with NOT_FINITE all active ones; after `polygon_masks`, those for which `cut_edges`
+//   cuts the boundary.
 // * IN_HALF_SPACE to OFF_PLANE: `polygon_pairs` sets a light's bit if one edge shows it. All corners lie in a half-space as
 //   seen from the light; the edge meets another, or the winding number on its left is not 0 or 1; that number is 1; it is 0;
 //   the edge and a corner are not in one plane with the light.
 // * TWISTED_QUAD: lights for which f32 proves that a quadrilateral is twisted (its boundary crosses itself as seen from
 //   the light).
-// * TURN_0, TURN_1: those of them that see a counter-clockwise turn at corner 0, at corner 1.
+// * TURN_0, TURN_1: lights that see a counter-clockwise turn at corner 0, at corner 1. Only bits of TWISTED_QUAD are valid.
 const RECORD_WORDS: u32 = 10u;
 const POLYGON: u32 = 0u;
 const LIGHTS: u32 = 1u;
@@ -65,10 +66,10 @@ const SMALL_BOUNDARY: u32 = 32u;
 // Invocations of a workgroup of `polygon_turns`, `polygon_pairs`, `polygon_masks`, `cut_edges`, `cut_quads`: their
 // @workgroup_size.
 const BOUNDARY_LANES: u32 = 64u;
-// The edges and lights of an entry of a small boundary.
+// The edges and lights of an entry of a small boundary. Their product is BOUNDARY_LANES.
 const ENTRY_EDGES: u32 = 4u;
 const ENTRY_LIGHTS: u32 = 16u;
-// Entries in a row of workgroups: as many as the device allows.
+// Workgroups in a row of an indirect dispatch: as many as the device allows.
 override ENTRY_ROW: u32 = 65535u;
 
 struct PolygonBoundary {
@@ -123,8 +124,8 @@ fn write_entry(index: u32, record_index: u32, part: u32) {
   atomicStore(&undecided[entry_offset(index) + 1u], part);
 }
 
-// Lists entries for some lights of a record: ENTRY_EDGES edges and ENTRY_LIGHTS lights each for a small boundary, one edge
-// and light for a large one. `workgroups_word`: see `reserve_entries`.
+// Lists entries for `lights`, the LIGHTS of a record: ENTRY_EDGES edges and ENTRY_LIGHTS lights each for a small boundary,
+// one edge and light for a large one. `workgroups_word`: see `reserve_entries`.
 fn list_entries(record_index: u32, boundary: PolygonBoundary, lights: u32, workgroups_word: u32) {
   let edges = boundary.count;
   if (is_large(boundary)) {

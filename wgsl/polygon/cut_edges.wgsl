@@ -76,7 +76,7 @@ struct FoundCuts {
   touching_second_end: u32,
   // Bits 0 (x) and 1 (y) of the `tie` of each cut.
   ties: vec2<u32>,
-  // The window of bits of the corners of its own edge and the tested ones: begin and end.
+  // The window of bits of the first ends of its own edge and the tested ones: begin and end. Each corner is one of these.
   span: vec2<i32>,
 }
 

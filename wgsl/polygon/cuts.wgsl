@@ -14,7 +14,7 @@
 
 // A cut of an edge, or the edge's end.
 struct Cut {
-  // The index in the boundary of the edge that cuts it, or `CORNER` for its end.
+  // The index in the boundary of the edge that cuts it, or `CORNER` for its end, in PREVIOUS_CUT for its begin.
   cutting_edge: u32,
   // The cutting edge has an end on it, in space.
   has_touching_end: bool,
@@ -41,7 +41,7 @@ fn unpack_cut(word: u32) -> Cut {
 // Words of a record. `cut_edges` writes the first five.
 // * CUT_POLYGON: the polygon, or NO_POLYGON if there was no room for the row.
 // * CUT_EDGE: the index of the edge that is cut. IS_ODD_AT_END: an odd number of triangles and overlapping edges lie, as
-//   seen from the light, beside its end on its left. HOLDS_TURNS: fixed point holds the turns of the boundary.
+//   seen from the light, beside its end on its left. HOLDS_TURNS: fixed point holds the boundary's turns for the light.
 // * CUT_WORD: the packed cut.
 // * ROW_FIRST, ROW_CUTS: the index in the light's list of the row's first record, and the number of its cuts without the
 //   end.
@@ -50,10 +50,10 @@ const CUT_EDGE: u32 = 1u;
 const CUT_WORD: u32 = 2u;
 const ROW_FIRST: u32 = 3u;
 const ROW_CUTS: u32 = 4u;
-// `cut_edges_rank` writes RANK, the number of cuts of the row before this one by `is_before`. It also writes FRACTION, the
-// rounded fraction of the edge at which the cut is, from 0 to 1. `cut_edges_before` writes PREVIOUS_CUT, the packed cut
-// right before it, and EARLIER_COUNT, the number of cuts before it. It sorts by RANK if all ranks of the row differ, else by
-// FRACTION.
+// `cut_edges_rank` writes RANK, the number of cuts of the row before this one by `is_before`, or 0 if there are more than
+// MOST_ORDERED. It also writes FRACTION, the rounded fraction of the edge at which the cut is, from 0 to 1. The end has
+// neither. `cut_edges_before` writes PREVIOUS_CUT, the packed cut right before it, and EARLIER_COUNT, the number of cuts
+// before it. It sorts by RANK if all ranks of the row differ, else by FRACTION.
 const RANK: u32 = 5u;
 const FRACTION: u32 = 6u;
 const PREVIOUS_CUT: u32 = 7u;
@@ -184,7 +184,8 @@ fn ascending(e: Edge) -> Edge {
 }
 
 // Whether edge `f` is on the left of edge `e` on the same line, both in ascending direction. It is if it begins before `e`,
-// or begins with it and ends behind it. Equal edges have the order of their indices.
+// or begins with it and ends behind it. Equal edges have the order of their indices. For edges on different lines it is an
+// order without a meaning (`foremost`).
 fn precedes(f: Edge, f_index: u32, e: Edge, e_index: u32) -> bool {
   if (any(f.a != e.a)) {
     return is_below(f.a, e.a);
@@ -228,10 +229,11 @@ fn right_sign(e: Edge) -> i32 {
 }
 
 // The side of an edge `other` on which an edge with the end turns `sides` cuts by touching: the side of the end that
-// touches. If it touches both in space, it is on the right of both, and farther from the one that precedes.
-fn touching_side(sides: vec2<i32>, is_second_end: bool, other: Edge, is_nearest: bool) -> i32 {
+// touches. If this end is on the line of `other`, too, the cut is on the right where `other` precedes the edge that is cut
+// or this edge is in line with the cutting one (`is_on_right`), else on the side of the cutting edge's other end.
+fn touching_side(sides: vec2<i32>, is_second_end: bool, other: Edge, is_on_right: bool) -> i32 {
   let side = select(sides.x, sides.y, is_second_end);
-  return select(side, select(sides.x + sides.y, right_sign(other), is_nearest), side == 0);
+  return select(side, select(sides.x + sides.y, right_sign(other), is_on_right), side == 0);
 }
 
 // The fraction of edge `e` at which edge `f` cuts it, as seen from the light, or from the axis that breaks the tie.
@@ -263,8 +265,8 @@ struct CutOrder {
 const NONE: u32 = 3u;
 
 // The order of three edges by the fractions at which the others cut each: 1 and 2 along edge 0, 0 and 2 along 1, 0 and 1
-// along 2. The edge with the lowest index decides. If some are seen in line, others see these cross in one point, so the
-// edge along which the others are farthest apart decides.
+// along 2. The edge with the lowest index decides, or none if two cuts of any edge count as one point. If some are seen in
+// line, others see these cross in one point, so the edge along which the others are farthest apart decides.
 fn order_by_fractions(indices: vec3<u32>, ties: array<vec2<u32>, 3>, fractions: array<vec2<f32>, 3>) -> CutOrder {
   let difference = vec3<f32>(
     fractions[0].x - fractions[0].y, fractions[1].x - fractions[1].y, fractions[2].x - fractions[2].y);
@@ -477,23 +479,24 @@ fn order_by_sides(cut_edge: CutEdge, pair: CutPair, signs: array<i32, 10>) -> Si
   let turns_of_g = vec2<i32>(signs[2], signs[3]);
   let turns_of_f = vec2<i32>(signs[4], signs[5]);
   if (all(turns_of_g == vec2<i32>(0))) {
-    // All are in one line: the nearer one cuts first in ascending direction.
+    // f and g are in one line, which e passes from left to right or back. If e is on it, too (signs[0] is 0), the one
+    // nearer to e cuts first in ascending direction.
     let is_first = precedes(ascending(g), j, ascending(f), i);
     return SideOrder(
       true, select(is_first == (signs[0] == right_sign(f)), is_first != is_below(e.a, e.b), signs[0] == 0));
   }
   if (pair.cut_j.has_touching_end && pair.cut_i.has_touching_end) {
-    // Both touch at one point of e. An edge in line with e has no side of the other.
+    // Both touch at one point of e. The end of e has no side at an edge in line with e.
     return SideOrder(
       true, select(turns_of_g.x + turns_of_g.y != signs[0], turns_of_f.x + turns_of_f.y == signs[1], signs[0] == 0));
   }
   if (pair.cut_j.has_touching_end) {
-    let is_nearest = signs[1] == 0 || precedes(ascending(f), i, ascending(e), cut_edge.index);
-    return SideOrder(true, touching_side(turns_of_g, pair.cut_j.is_second_end, f, is_nearest) != signs[0]);
+    let is_on_right = signs[1] == 0 || precedes(ascending(f), i, ascending(e), cut_edge.index);
+    return SideOrder(true, touching_side(turns_of_g, pair.cut_j.is_second_end, f, is_on_right) != signs[0]);
   }
   if (pair.cut_i.has_touching_end) {
-    let is_nearest = signs[0] == 0 || precedes(ascending(g), j, ascending(e), cut_edge.index);
-    return SideOrder(true, touching_side(turns_of_f, pair.cut_i.is_second_end, g, is_nearest) == signs[1]);
+    let is_on_right = signs[0] == 0 || precedes(ascending(g), j, ascending(e), cut_edge.index);
+    return SideOrder(true, touching_side(turns_of_f, pair.cut_i.is_second_end, g, is_on_right) == signs[1]);
   }
   // The cut of g is on this side of f, or the cut of f on this side of g.
   if (common_side(turns_of_g) != 0) {
@@ -577,7 +580,7 @@ fn is_before_by_fractions(cut_edge: CutEdge, pair: CutPair, turns: PairTurns) ->
     return !order.is_after;
   }
   // The product of: the order along the deciding edge; the sides of its end at e and at the other; the sides of the end of e
-  // here.
+  // here. It changes its sign if f decides.
   let signs = turns.signs;
   let is_at_f = order.deciding_edge == 2u;
   let end_turns = select(vec2<i32>(signs[7], signs[3]), vec2<i32>(signs[9], -signs[5]), is_at_f);

@@ -32,7 +32,7 @@ fn to_unit(v: vec3<f32>) -> vec3<f32> {
 }
 
 // The fraction of edge `e`, from 0 to 1, at which it meets the plane through a light and edge `f`, rounded. If the light
-// looks along `f`, it is the point where the light sees the first end of `f`.
+// looks along `f`, it is the point where the light sees the first end of `f`. `light` is scaled, or an axis.
 fn cut_fraction(f: Edge, e: Edge, light: vec4<f32>) -> f32 {
   let a = bitcast<vec3<f32>>(e.a);
   let b = bitcast<vec3<f32>>(e.b);

@@ -35,6 +35,8 @@ pub(crate) struct Shared {
 pub(super) struct IncludeGroup {
     layout: wgpu::BindGroupLayout,
     batch: usize,
+    /// The number of the batch's lights.
+    lights: usize,
     positions: PositionSlice,
     group: wgpu::BindGroup,
 }
@@ -203,15 +205,18 @@ impl Extraction {
         if batch >= batches {
             return Err(ExtractorError::NoSuchBatch { batch, batches });
         }
+        // The extractor may have room for more.
+        let lights = (self.lights.len() - 32 * batch).min(32);
         let mut cached = lock(&self.shared.include_groups);
-        let is_it =
-            |made: &&IncludeGroup| made.batch == batch && made.positions == self.positions && made.layout == *layout;
+        let is_it = |made: &&IncludeGroup| {
+            (made.batch, made.lights) == (batch, lights) && made.positions == self.positions && made.layout == *layout
+        };
         if let Some(made) = cached.iter().find(is_it) {
             // The buffer may have been destroyed since. A group that binds it would spoil the caller's submission.
             self.shared.pipelines.check_bindable(&self.positions.buffer)?;
             return Ok(made.group.clone());
         }
-        let group = self.shared.include_group(layout, batch, self.positions.as_buffer())?;
+        let group = self.shared.include_group(layout, batch, lights, self.positions.as_buffer())?;
         // Positions that an encode read before are unlikely to come again.
         cached.retain(|made| made.positions == self.positions);
         if cached.len() >= CACHED_GROUPS {
@@ -220,6 +225,7 @@ impl Extraction {
         cached.push(IncludeGroup {
             layout: layout.clone(),
             batch,
+            lights,
             positions: self.positions.clone(),
             group: group.clone(),
         });

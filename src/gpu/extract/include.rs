@@ -37,7 +37,7 @@ use crate::stages::source;
 /// |---|---|
 /// | `valid: bool` | False: draw nothing; the other members mean nothing. The list overflowed, so the draw goes over all edge records, and this one is no silhouette |
 /// | `edge: u32`, `a: u32`, `b: u32` | The index of the edge record, and its vertices. Face 0 traverses it from `a` to `b` |
-/// | `winding: bool` | Whether face 0 faces the light. If so, (b, a, far a, far b) is counter-clockwise from outside the shadow volume |
+/// | `winding: bool` | Whether face 0 faces the light; if face 0 is twisted, the bit of face 1 for the direction of face 0. If set, (b, a, far a, far b) is counter-clockwise from outside the shadow volume |
 /// | `kind: u32` | 0 consistent, 1 inconsistent, 2 boundary |
 ///
 /// The bindings, 0 to 6: `rimline_info`, `rimline_positions`, `rimline_edge_vertices`, `rimline_edge_faces`,
@@ -76,11 +76,12 @@ pub fn results_bind_group_layout(device: &wgpu::Device, visibility: wgpu::Shader
 }
 
 impl Shared {
-    /// The bind group of the include for a batch of lights.
+    /// The bind group of the include for a batch of lights, of which the encode has `lights`.
     pub(crate) fn include_group(
         &self,
         layout: &wgpu::BindGroupLayout,
         batch: usize,
+        lights: usize,
         positions: PositionBuffer<'_>,
     ) -> Result<wgpu::BindGroup, ExtractorError> {
         let (device, limits, shape) = (self.device(), &self.limits, &self.shape);
@@ -99,7 +100,7 @@ impl Shared {
             edges: shape.edges as u32,
             capacity: shape.capacity,
             first_light: 32 * batch as u32,
-            lights: shape.batch_lights(batch) as u32,
+            lights: lights as u32,
             position_offset: bound.offset_words,
             position_stride: bound.stride_words,
             twisted_offset: shape.twisted_offset(),
