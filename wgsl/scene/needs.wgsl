@@ -22,7 +22,8 @@ struct NeedsDispatch {
 }
 
 @group(0) @binding(0) var<uniform> frame: NeedsDispatch;
-// For each view an entry a light. All have the view, also those of lights that the view leaves out, or that there are not.
+// For each view an entry for each light up to the last, at least one. All have the view, also for lights that it leaves out
+// or that were removed.
 @group(0) @binding(1) var<storage, read> view_lights: array<ViewLight>;
 // For each caster: xyz the lowest corner of its box in world space, w 1 if it has a box and 0 if not; xyz the highest corner;
 // then the bits of its lights. A caster without a box is needed.
