@@ -433,13 +433,15 @@ fn off() -> Result<(), String> {
     let mut play = Play::new(4401, 9)?;
     let source = "fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32> { return position; }";
     let displacement = Displacement::new(source).map_err(text)?;
-    // Far away and looking farther, and no light.
+    // Far away and looking farther, or past them, and no light.
     play.next.lights.clear();
-    let mut away = play.next.cameras[0];
+    let [mut away, mut beside] = [play.next.cameras[0]; 2];
     away.origin = [0, 1, 2].map(|axis| 1e4 * away.view_projection[axis][3]);
+    beside.origin = [0, 1, 2].map(|axis| 1e4 * beside.view_projection[axis][0] - 1e3 * beside.view_projection[axis][3]);
     for (culls, cameras, displaced_by, expected) in [
         (true, &[away][..], Some(0.0), 9),
         (true, &[away], None, 9),
+        (true, &[beside], None, 9),
         (false, &[away], Some(0.0), 0),
         (true, &[], Some(0.0), 0),
         (true, &[away], Some(f32::INFINITY), 0),

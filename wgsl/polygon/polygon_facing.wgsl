@@ -98,10 +98,12 @@ fn combined_bits(bits: vec4<u32>) -> u32 {
 // to the masks of all triangles of the polygon. A polygon with an undecided light gets a record in `undecided`, in any
 // order, for `polygon_turns`, which computes all its bits again.
 
-// The facing masks of all triangles, then as many twisted masks, which `polygon_masks` writes.
+// The facing masks of all triangles (in a scene, of all face slots), then as many twisted masks, which `polygon_masks`
+// writes.
 @group(0) @binding(8) var<storage, read_write> facing_masks: array<u32>;
 
-// Lights for which all turns are certain and 1, and lights for which all are certain and -1.
+// Lights for which all turns are certain and 1, and lights for which all are certain and -1. Bits past the last light may
+// be set.
 struct Convex {
   facing: u32,
   back_facing: u32,
@@ -167,9 +169,10 @@ fn polygon_facing(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_wor
 // Stage `polygon_turns`: dispatched indirectly, by the words that `polygon_facing` wrote to the head of `undecided`. It
 // decides a quadrilateral of two triangles if f32 is certain of all four turns and these do not alternate. It is
 // front-facing, back-facing, or twisted: its boundary crosses itself as seen from light L. It decides another loop, of at
-// most 256 edges, if it is strictly convex. It overwrites the polygon's facing masks, and writes to the record the undecided
-// lights (LIGHTS), and TWISTED_QUAD, TURN_0 and TURN_1 of a twisted quadrilateral. For LIGHTS it lists entries, parts of the
-// work, for `polygon_pairs`, the next stage. `polygon_masks` reads records, and `cut_quads` those of twisted quadrilaterals.
+// most 256 edges, if it is strictly convex. It overwrites the polygon's facing masks, and all words of the record: the
+// undecided lights (LIGHTS), and TWISTED_QUAD, TURN_0 and TURN_1 of a twisted quadrilateral. For LIGHTS it lists entries,
+// parts of the work, for `polygon_pairs`, the next stage, but not if a corner is not finite. `polygon_masks` reads records,
+// and `cut_quads` those of twisted quadrilaterals.
 
 // Loops of more edges are not tried here, so that an invocation ends soon.
 const MOST_CONVEX: u32 = 256u;
@@ -357,21 +360,21 @@ fn polygon_turns(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
 // Stage `polygon_masks`: decides from the records whether a polygon faces each light that `polygon_turns` left undecided, is
 // in a plane with it, or is twisted. Dispatched after `polygon_pairs`, an invocation a record. It adds facing bits of the
 // polygon's triangles (first half of `facing_masks`), writes their twisted masks (second half), and adds to their excluded
-// masks. Twisted masks are cleared before each batch, and excluded ones except for exclusions by the caller. It also adds to
-// statistics. A polygon that is twisted or in a plane counts as absent; the shadow of a twisted one is cut into pieces.
-// `edges` reads facing and twisted masks next; stages of shadow volumes read facing and excluded ones. It lists entries of
-// twisted boundaries for `cut_edges`, except for the quadrilaterals of `cut_quads`.
+// masks. Twisted and excluded masks are cleared before each batch: callers exclude no polygons. It also adds to statistics. A
+// polygon that is twisted or in a plane counts as absent; the shadow of a twisted one is cut into pieces. `edges` reads
+// facing and twisted masks next; stages of shadow volumes read facing and excluded ones. It lists entries of twisted
+// boundaries for `cut_edges`, except for the quadrilaterals of `cut_quads`.
 
 @group(0) @binding(9) var<storage, read_write> excluded_masks: array<u32>;
 // The statistics; not a record of `undecided`.
 @group(0) @binding(2) var<storage, read_write> record: FacingRecord;
 
-// Bits of lights that `polygon_turns` left undecided. `twisted` and `excluded` also have those for which it found a
-// quadrilateral twisted.
+// Bits of lights among LIGHTS. `twisted` and `excluded` also have those for which `polygon_turns` found a quadrilateral
+// twisted.
 struct PolygonMasks {
   facing: u32,
   twisted: u32,
-  excluded: u32, // Twisted or in a plane, so without a cap or side of its own.
+  excluded: u32, // Twisted, in a plane or not finite, so without a cap or side of its own.
 }
 
 // The bits of the record at word `offset` of `undecided`. A polygon with a corner that is not finite faces no light and is

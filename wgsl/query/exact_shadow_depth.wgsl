@@ -24,7 +24,7 @@ fn light_or_axis(light: vec4<u32>, tie: u32) -> vec4<u32> {
 
 // Whether point and light are strictly on opposite sides of the face's plane, and the line between them passes through the
 // face. It does if the sign for each edge with point and light is that of face and light. Only the signs for edges have ties
-// broken.
+// broken. The face must be finite.
 fn exactly_between(face: Face, p: vec3<u32>, light: vec4<u32>) -> bool {
   var light_side = 0;
   // Tests 0 and 1: the sides of the point and of the light at the plane. Tests 2 to 4: the three edges. One loop computes

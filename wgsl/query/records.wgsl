@@ -41,7 +41,8 @@ struct PointChunk {
   on_face: u32,
 }
 
-// The clusters of one dispatch. `first` is the first cluster of a group.
+// The clusters of one dispatch: all that are bound in `shadow_boxes`, which reads `end` only. `first` is the first cluster of
+// a group.
 struct FaceRange {
   first: u32,
   end: u32,
@@ -55,7 +56,7 @@ struct FaceRange {
 struct UndecidedFaces {
   // Bits 0 to 2: the number of undecided faces, 4 for more than three. Bits 3 to 5, one for each of the first three: set if an
   // odd number of decided triangles of its polygon lie between. Bit 6: set if an odd number of triangles of the polygon of the
-  // range's last face lie between.
+  // range's last face lie between; until `exact_shadow_depth`, of the decided ones. Bits 3 to 6 are 0 for more than three.
   state: u32,
   // The face indices of the first three. If there are more, `face_0` has a bit for each polygon that continues after its
   // group, set if an odd number of its triangles lie between. Bit 0: the polygon that began before the range. Bit 1 + n: the

@@ -1,7 +1,7 @@
 // Stage `shadow_boxes`, the first of a query of occluder counts. It computes boxes around clusters (CLUSTER = 32 faces) and
-// groups (CLUSTER clusters) from the positions of this encode. Dispatched once for each range of clusters that a binding
-// holds; a workgroup is a group, an invocation a cluster. It writes the box of each cluster to `clusters`, and the box of a
-// group to the group's first cluster. The CPU wrote the other members once.
+// groups (CLUSTER clusters) from the positions of this encode. Dispatched once for all clusters that a binding holds, from
+// the first on: it does not read `range.first`. A workgroup is a group, an invocation a cluster. It writes the box of each
+// cluster to `clusters`, and the box of a group to the group's first cluster. The CPU wrote the other members once.
 // `shadow_depth` and `exact_shadow_depth` cull by them, so a box must contain each face that can count: finite, with three
 // different vertices. Floats are compared as integer keys, so no device can flush or round them, and boxes have the same
 // bits everywhere. docs/numerics/query.md.

@@ -58,7 +58,7 @@ fn count_change(face: u32) -> i32 {
   return change;
 }
 
-// Counts the faces of a cluster that lie between.
+// Counts the faces of a cluster that f32 decides to lie between, and stores undecided ones.
 fn count_cluster(segment: Segment, cluster: u32) -> i32 {
   let low = clusters[cluster].low;
   let high = clusters[cluster].high;
@@ -98,7 +98,7 @@ fn count_cluster(segment: Segment, cluster: u32) -> i32 {
   return count;
 }
 
-// Counts the faces of the range that lie between. Ends early if too many are undecided.
+// The same for the range. Ends early if too many are undecided: the count then has no meaning.
 fn count_range(segment: Segment) -> i32 {
   var count = 0;
   // Turns: QUERY_GROUPS.

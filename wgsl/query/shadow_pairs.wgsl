@@ -16,7 +16,8 @@ const FIRST_ODD_BIT: u32 = 3u;
 const ODD_AT_END: u32 = 64u;
 
 // A bound on the error of det[u, v, t] in f32. `uv`: the product of `sum_of_sizes` of u and v. `t`: the largest absolute
-// component of t. `underflow`: `underflow_bound` of the coordinates.
+// component of t; for t = l - w x that of |t| + inexact_w |x|. `underflow`: `underflow_bound` of the coordinates of face and
+// point.
 fn determinant_bound(uv: f32, t: f32, underflow: f32) -> f32 {
   return (RELATIVE * t) * uv + underflow * (1.0 + 3.0 * t);
 }
@@ -97,7 +98,8 @@ fn edge_determinants(segment: Segment, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>)
   );
 }
 
-// Decides a face, or returns UNDECIDED if too few determinants exceed their bounds.
+// Decides a face, or returns UNDECIDED if too few determinants exceed their bounds. `largest`: the bits of the largest
+// absolute coordinate of face and point, below LARGE.
 fn decide_by_bounds(segment: Segment, face: Face, largest: u32) -> u32 {
   let a = bitcast<vec3<f32>>(face.a);
   let b = bitcast<vec3<f32>>(face.b);
@@ -154,7 +156,7 @@ fn is_plainly_coplanar(segment: Segment, face: Face) -> bool {
   return any(is_flat & ((segment.p_bits == face.a) | is_light_level));
 }
 
-// Decides a face, or returns UNDECIDED if exact arithmetic is needed.
+// Decides a face, or returns UNDECIDED if exact arithmetic is needed. Callers also test `is_on_face`.
 fn decide_face(segment: Segment, face: Face) -> u32 {
   let largest = largest_magnitude(face.a, face.b, face.c);
   let is_degenerate =

@@ -38,7 +38,7 @@ fn four_words(offset: u32) -> vec4<u32> {
 
 // Decides the active lights of the loaded caster by a bound at a word of `cluster_words`. A bound has three vec4s. The
 // first: xyz the centre, w the kind. The second, the middle of the planes of all faces: xyz the scaled normal, w the height
-// of the centre over the plane. The third: half the spread of the second.
+// of the centre over the plane, in the same scale. The third: half the spread of the second, with room for rounding.
 fn decide_cluster(bound_offset: u32) -> Decision {
   let first = four_words(bound_offset);
   let kind = first.w;
@@ -92,8 +92,8 @@ fn list_face_chunk(chunk: u32, decision: Decision) {
 
 fn face_count(chunk: u32) -> u32 { return min(CHUNK, face_range.x + face_range.y - CHUNK * chunk); }
 
-// Decides the cluster of the loaded caster that begins with `chunk`, and lists its chunks. `index` is its index in the
-// caster.
+// Decides the cluster of the loaded caster that begins with `chunk`, and lists its chunks unless the masks have its bits.
+// `index` is its index in the caster.
 fn process_cluster(chunk: u32, index: u32) {
   let decision = decide_cluster(caster_part(caster, 7u).w + BOUND_WORDS * index);
   let offset = cached_cluster_offset(chunk);
@@ -143,9 +143,10 @@ fn clusters(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
 }
 
 // Stage `chunks`: lists chunks of edges of casters with a light whose list is dirty. It skips chunks that have no silhouette
-// by the decisions about clusters. A chunk that may have one must be listed. It also empties lists and statistics for
-// `facing` and later stages, and writes to `cache` the versions of this encode. `cull_lights` and `clusters` compare
-// those of the encode before. All their dispatches, for all groups and batches, must come before the first of `chunks`.
+// by the decisions about clusters. A chunk that may have one must be listed. It also empties the dirty lists and `record` for
+// `facing` and later stages, and writes to `cache` the versions of layout, lights and lists. `cull_lights` and `clusters`
+// compare those of the encode before. All their dispatches, for all groups and batches, must come before the first of
+// `chunks`.
 
 @group(0) @binding(3) var<storage, read> relevant_lights: array<u32>;
 // For each light of the batch the number of its silhouette edges. Then word CACHED_ZEROS: not 0 if a light was in the
@@ -157,7 +158,8 @@ fn clusters(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
 const SKIPPED_DECIDED: u32 = 1u;
 const SKIPPED_SAME_FACING: u32 = 2u;
 
-// Resets the list of a light of the batch if it is dirty, and updates versions. For light 0 it also resets the record.
+// Resets the list of a light of the batch if it is dirty, and updates versions. For light 0 it also resets the record, but
+// not `twisted_lights`, which only polygons set.
 fn reset_light(light: u32) {
   if (((atomicLoad(&work[group.work_count + 2u]) >> light) & 1u) != 0u) {
     list_counts[light] = 0u;

@@ -1,10 +1,12 @@
 // Stage `cull_lights`, the first of a scene's encode: an invocation a caster (a mesh that throws shadows) and batch of up to
 // 32 lights. It finds the relevant lights of the caster: allowed lights that are culled neither by range or cone nor by an
-// occluder. Only casters with a known box (rigid, or stated by the caller) are culled. Among the relevant lights it finds
-// the active ones: caster or light changed since their bits were computed. Other bits are cached.
-// Read by: `clusters`, `facing` and `exact_facing` (active lights); `chunks`, `edges`, `bounds` and `counting_methods`
-// (relevant ones). It also writes which lists are dirty, in `work`, and updates the versions in `cache`.
-// It never culls a light that affects the caster. If numbers are too large or rounding leaves a test open, the light stays.
+// occluder. Both need a known box (rigid, or stated by the caller). Casters that `needs` culled have no relevant light.
+// Among the relevant lights it finds the active ones: caster or light changed since their bits were computed, or their bits
+// are never cached. Other bits are cached.
+// Read by: `clusters`, `facing` and `exact_facing` (active lights); `chunks`, `edges`, `bounds`, `counting_methods` and
+// `outline_edges` (relevant ones). It also notes in `work`, in words that are 0 before, which lists are dirty. It updates the
+// versions of casters in `cache`; `chunks` updates those of lights.
+// These tests cull no light that affects the caster. If numbers are too large or rounding leaves one open, the light stays.
 // Claims: docs/numerics/scene.md, "Occluders", "Cones of lights" and "Cached results".
 
 #import common/casters
@@ -114,7 +116,7 @@ fn unchanged_lights(batch: u32, lights: u32) -> u32 {
 fn process_pair(pair: u32, caster: u32, batch: u32) {
   let state = position_state(caster);
   let is_culled = state == POSITIONS_CULLED;
-  // A caster that was not deformed has no relevant light, so no bit of it is cached.
+  // A caster that `needs` culled has no relevant light, so no bit of it is cached.
   let in_range = select(lights_in_range(caster, batch), 0u, is_culled);
   let occluded = occluded_lights(caster, batch, in_range);
   let relevant = in_range & ~occluded;
@@ -186,7 +188,7 @@ fn oriented_box(caster: u32) -> OrientedBox {
   let z = bitcast<vec4<f32>>(caster_part(caster, 2u));
   let middle = 0.5 * low + 0.5 * high;
   let half = 0.5 * high - 0.5 * low;
-  // The largest |origin| of a camera. Positions are drawn relative to it.
+  // The largest coordinate of the origins of cameras, a third or more of an l1 norm. Positions are drawn relative to them.
   let origin = bitcast<f32>(table[group.ranges_offset + 16u * group.batches].z);
   let sizes = max(abs(low), abs(high));
   let size = l1_norm(x.xyz * sizes) + l1_norm(y.xyz * sizes) + l1_norm(z.xyz * sizes) + abs(x.w) + abs(y.w) + abs(z.w);

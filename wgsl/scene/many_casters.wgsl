@@ -1,8 +1,8 @@
 // The casters of a scene: implements interface/caster.wgsl for the SCENE variants of `facing`, `exact_facing` and `edges`,
 // but for the loops over chunks (scene/listed_chunks.wgsl). `clusters` imports it, too. Functions refer to the caster loaded
 // last: call `load_caster` or `load_face` first. The table has the lights of a caster one after the other, in the order of
-// their bits. A light index is a light's rank among them. Only active lights are computed; the bits of other lights are
-// cached and must not change (`updated_bits`, `clear_active`). `cull_lights` writes the active lights.
+// their bits. A light index is a light's rank among them. Only active lights are computed; the bits of other lights, cached
+// or not relevant, must not change (`updated_bits`, `clear_active`). `cull_lights` writes the active lights.
 
 #import common/casters
 #import scene/table

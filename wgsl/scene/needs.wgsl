@@ -11,7 +11,7 @@
 struct NeedsDispatch {
   casters: u32, // Deforming casters.
   views: u32,
-  lights: u32, // Lights of each view, at least 1.
+  lights: u32, // Entries of each view in `view_lights`, at least 1.
   parts: u32, // Vec4s of each caster in `deforming_casters`.
   // 1: all are needed. Rust sets it if there are no views, if culling is off, or if there are too many views and lights for
   // NEEDS_BOXES (src/turns.rs).
@@ -22,6 +22,8 @@ struct NeedsDispatch {
 }
 
 @group(0) @binding(0) var<uniform> frame: NeedsDispatch;
+// For each view an entry for each light up to the last, at least one. All have the view, also for lights that it leaves out
+// or that were removed.
 @group(0) @binding(1) var<storage, read> view_lights: array<ViewLight>;
 // For each caster: xyz the lowest corner of its box in world space, w 1 if it has a box and 0 if not; xyz the highest corner;
 // then the bits of its lights. A caster without a box is needed.

@@ -4,7 +4,7 @@
 // ranges of the lights; their versions; four words; the cones of the lights; the lights, for each rigid caster in its
 // mesh space; occluders, with scaled lights in world space and corners, if there are any; the caster of each chunk,
 // written once; choices of shadow volumes, copied. The four words: the number of the encode; the word of the work lists
-// where a word for each deforming caster begins (1: culled, 2: needed), or 0 if all are needed; the largest coordinate
+// where a word for each deforming caster begins (1: culled, 2: needed), or 0 if there is none; the largest coordinate
 // of the origins of cameras; one unused. Cached results are valid while the versions beside them are. src/layout.rs has
 // the same structs.
 
@@ -53,8 +53,8 @@ struct SceneDispatch {
   face_chunks: u32,
   edge_chunks: u32,
   // Words of the work lists. `work_count`: the first of four words of the group and batch. These are the number of listed
-  // face chunks, that of edge chunks, the lights with a dirty list, and the lights with cached bits. `face_work`,
-  // `edge_work`: the first listed chunk.
+  // face chunks, that of edge chunks, the lights with a dirty list, and the lights with cached bits, all 0 before
+  // `cull_lights`. `face_work`, `edge_work`: the first listed chunk.
   work_count: u32,
   face_work: u32,
   edge_work: u32,
@@ -77,7 +77,7 @@ struct SceneDispatch {
 fn caster_part(caster: u32, part: u32) -> vec4<u32> { return table[8u * caster + part]; }
 
 // Words of a listed chunk of faces: the chunk; the lights that are decided for all its faces; those of them that the faces
-// face; the index mask of the lights to test.
+// face; the index mask of the lights to test, all bits if none is decided.
 const FACE_ENTRY: u32 = 4u;
 
 fn encode_number() -> u32 { return table[group.ranges_offset + 16u * group.batches].x; }
@@ -107,8 +107,8 @@ fn caster_lights(caster: u32, batch: u32) -> CasterLights {
 fn caster_of(chunks_offset: u32, chunk: u32) -> u32 { return table[chunks_offset + chunk / 4u][chunk % 4u]; }
 
 // The clusters of a page, each of up to 128 faces of a mesh. For each mesh with clusters: a bound for each cluster; for each
-// chunk of edges an offset; and from that offset the indices of the clusters that its faces are in. Offsets count from the
-// first word of the mesh.
+// chunk of edges, and for their end, an offset; and from that offset the indices of the clusters that its faces are in.
+// Offsets count from the first word of the mesh.
 @group(0) @binding(9) var<storage, read> cluster_words: array<u32>;
 const NO_CLUSTERS: u32 = 0xffffffffu; // A caster whose mesh has no clusters.
 // A cluster has two chunks of faces.
@@ -125,5 +125,6 @@ fn has_clusters(caster: u32) -> bool {
 }
 
 // The first of two words of `cache` for a chunk of faces. Only the first chunk of a cluster uses them. They describe the
-// masks: the lights for which all faces of the cluster have the same bit; those of them that the faces face.
+// masks: the lights for which all faces of the cluster have the same bit and none is excluded, but by the caller; those of
+// them that the faces face.
 fn cached_cluster_offset(chunk: u32) -> u32 { return group.clusters_offset + 2u * chunk; }

@@ -1,7 +1,7 @@
 // Vertex shaders of caps, the faces that close shadow volumes, in the caller's render pass. The indirect draws of
-// `shadow_arguments` have an instance for each entry of a list of `caps`. If the list overflowed, each face slot of the
-// group has an instance, and the shader decides whether it is drawn. The first three read the lists of light and dark caps,
-// the others those of near caps.
+// `shadow_arguments` have an instance for each entry of a list of `caps`. If the two lists of a range overflowed, each face
+// slot of the group has an instance, and the shader decides whether it is drawn. The first three read the lists of light and
+// dark caps, the others those of near caps.
 // * `light_cap`, `dark_cap`: a face, and the same face at the far end of the volume. z-fail draws both. If volumes may end
 //   at the range, z-pass draws dark caps of those that end. Volumes that ZP+ counts do not end.
 // * `seen_light_cap`: the light cap of a caster that is not in the depth buffer, for z-pass and ZP+.
@@ -55,7 +55,7 @@ fn load_cap(instance: u32) -> CapInstance {
   let range = face_range(result.caster);
   let face = range.z + slot - range.x;
   result.corners = vec3<u32>(faces[3u * face], faces[3u * face + 1u], faces[3u * face + 2u]);
-  // Else the volume has no end, and the draws of listed caps do not read the counting method.
+  // If none holds, the volume has no end, and the draws of listed caps do not read the counting method.
   if (is_overflowed || has_measures() || shape.proxies != 0u) {
     result.light = with_stored_choices(result.caster, result.light, draw.light, draw.view);
   }

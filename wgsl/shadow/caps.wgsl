@@ -1,10 +1,11 @@
 // Stage `caps`: lists the faces whose caps are drawn, for each light of a batch (up to 32 lights), in a view. A light cap
 // is a face, a dark cap is the same face at the far end of the volume. A near cap is the part of a face between light and
 // near plane, projected from the light onto that plane. The near rectangle is what the camera sees of the near plane.
-// Dispatched after `counting_methods` for each group of casters, light batch and view; eight invocations share a chunk
-// of 64 face slots. Reads: choices, positions, facing masks, excluded masks. Excluded faces have no caps. Writes:
-// lists, in arbitrary order, for `shadow_arguments` and `cap_faces`; CHOICE_LISTED_NEAR_CAP of casters with near caps,
-// for which later stages clip sides. Culling may list a face without a near cap, and never drops one with a near cap.
+// Dispatched after `counting_methods` and `zp_plus_2005_cases` for each group of casters, light batch and view; eight
+// invocations share a chunk of 64 face slots. Reads: choices, positions, facing masks, excluded masks. Excluded faces have
+// no caps. Writes: dirty lists, which `relist` emptied, in arbitrary order, for `shadow_arguments` and `cap_faces`;
+// CHOICE_LISTED_NEAR_CAP of casters with near caps, for which later stages clip sides. Culling may list a face without a
+// near cap, and never drops one with a near cap.
 // docs/numerics/shadow-volumes.md, "Closed volumes" and "Slack of culling".
 
 #import common/casters

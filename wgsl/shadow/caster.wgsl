@@ -40,7 +40,8 @@ fn view_for_caster(caster: u32, view: ShadowView) -> ShadowView {
   return result;
 }
 
-// The light in the space of a caster's positions. `light_index` is the light's index among all lights of the frame.
+// The light in the space of a caster's positions. `light_index` is the light's index among all lights of the frame. The
+// caster must be allowed the light, or a rigid one gets another light's position.
 fn light_for_caster(caster: u32, light: ShadowLight, light_index: u32) -> ShadowLight {
   if (!is_in_mesh_space(caster)) {
     return light;
@@ -59,12 +60,13 @@ struct CasterBox {
   low: vec3<f32>,
   high: vec3<f32>,
   is_empty: bool, // No face is finite.
-  has_holes: bool, // Some face is not finite.
+  has_holes: bool, // Some face with three different vertices is not finite.
 }
 
 fn is_in_mesh_space(caster: u32) -> bool { return (caster_flags(caster) & RIGID) != 0u; }
 
-// The box of a caster, in the space of its positions. The table has it for rigid casters, `bounds` computes all others.
+// The box of a caster, in the space of its positions. The table has it for rigid casters, `bounds` computes all others. A
+// box that `bounds` skipped is empty.
 fn caster_box(caster: u32) -> CasterBox {
   if (is_in_mesh_space(caster)) {
     let low = bitcast<vec3<f32>>(caster_part(caster, 3u).xyz);

@@ -34,13 +34,15 @@ fn measure_index(caster: u32, light_index: u32, view: u32) -> u32 {
   return (view * shape.lights + light_index) * shape.casters + caster;
 }
 
-// Whether any stage reads measures. If not, none are written.
+// Whether any stage reads measures. If not, none are written. `choice_bytes` (src/gpu/shadow/sizes.rs) has room by the same
+// rule. A caster that does not cast has stale measures.
 fn has_measures() -> bool {
   return shape.end_at_range != 0u || shape.has_receivers != 0u || shape.counting == COUNT_ZP_PLUS_2005;
 }
 
-// The light with the choices for a caster, except for the measures. `words` are the caster's words 0 to 3, `excludes` is
-// CHOICE_EXCLUDES. `bit`: the light's bit in these and in `near_caps`, where it is 1 if the volume has near caps.
+// The light with the choices for a caster, except for the measures. `words` are the caster's words 0 to 3, of which it reads
+// two, `excludes` is CHOICE_EXCLUDES. `bit`: the light's bit in these and in `near_caps`, where it is 1 if the volume may have
+// near caps.
 fn with_choices(light: ShadowLight, bit: u32, words: vec4<u32>, excludes: u32, near_caps: u32) -> ShadowLight {
   var result = light;
   result.casting = CAST_NOTHING;

@@ -115,9 +115,9 @@ impl Scene {
         Ok(Some(Needs { states, step, uniforms }))
     }
 
-    /// The deforming casters for the stage: boxes and bits of lights.
+    /// The deforming casters for the stage: boxes and bits of lights. The stage reads a batch also where there is no light.
     fn deforming_records(&self) -> Vec<[u32; 4]> {
-        let batches = self.content.lights.used.batches();
+        let batches = self.content.lights.used.batches().max(1);
         let mut records = Vec::with_capacity(self.deforming.len() * (2 + batches.div_ceil(4)));
         for entry in self.deforming.iter().filter_map(|&key| self.content.casters.get(key)) {
             let [low, high] = entry.bounds.unwrap_or_default().map(|corner| corner.map(f32::to_bits));
