@@ -21,8 +21,8 @@ struct ReceiverView {
 }
 
 // The number of words of the head. 0, 1: tiles across and down. 2, 3: pixels across and down. 4: key of the farthest
-// receiver. 5: whether the box is finite. 6 to 8: lowest corner of the box. 9 to 11: highest corner. The others are not
-// used.
+// receiver. 5: 1 if the box has an end, else 0. 6 to 8: lowest corner of the box. 9 to 11: highest corner. Both are 0 for a
+// box without an end. The others are not used.
 const RECEIVERS_HEAD: u32 = 16u;
 // Pixels of a tile, across and down.
 const TILE: u32 = 8u;
