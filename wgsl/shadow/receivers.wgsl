@@ -30,7 +30,8 @@ const TILE: u32 = 8u;
 // The key of a depth, at least 1. 0 stands for no receiver. `near_z` is the depth of the near plane, which
 // tells reversed depth (1) from standard depth (0).
 fn receiver_key(depth: f32, near_z: f32) -> u32 {
-  let bits = bitcast<u32>(clamp(depth, 0.0, 1.0));
+  // Without a sign: a format of floats may hold -0, which `clamp` may leave as it is.
+  let bits = bitcast<u32>(clamp(depth, 0.0, 1.0)) & 0x7fffffffu;
   return select(bits + 1u, 0x40000000u - bits, near_z != 0.0);
 }
 
