@@ -17,7 +17,7 @@ use rimline_testkit::textures::sampled;
 pub(crate) const TESTS: &[Test] =
     &[("receivers_are_those_of_their_depths", pyramid), ("lists_for_known_receivers_are_kept", versions)];
 
-/// Depths of samples at random, of which a share in percent is the sky's, and a texture of them.
+/// Depths of samples at random, of which a share in percent is the sky's, one of -0 with standard depth, and a texture of them.
 fn written(
     gpu: &Gpu,
     [width, height]: [u32; 2],
@@ -27,7 +27,11 @@ fn written(
 ) -> Result<(Vec<f32>, wgpu::Texture), String> {
     let mut random = Random::new(u64::from(seed));
     let mut one = |_| if random.below(100) < share_of_sky as usize { sky } else { nearest * random.between(0.0, 0.5) };
-    let depths: Vec<f32> = (0..width * height * samples).map(&mut one).collect();
+    let mut depths: Vec<f32> = (0..width * height * samples).map(&mut one).collect();
+    // With standard depth -0 is the nearest depth, as 0 is.
+    if let Some(first) = depths.first_mut().filter(|_| sky == 1.0) {
+        *first = -0.0;
+    }
     let texture = sampled(gpu, [width, height], (wgpu::TextureFormat::Depth32Float, samples), &depths)?;
     Ok((depths, texture))
 }
@@ -68,7 +72,7 @@ impl Seen {
     /// The farthest receiver of each tile of 8 × 8 pixels, then of each four, up to one, and the number of tiles. Keys grow
     /// with the distance, and are 0 for none.
     fn levels(&self) -> (Vec<u32>, [u32; 2]) {
-        let key = |depth: &f32| match depth.to_bits() {
+        let key = |depth: &f32| match depth.abs().to_bits() {
             _ if !self.receives(*depth) => 0,
             bits if self.near_z == 0.0 => bits + 1,
             bits => 0x4000_0000 - bits,

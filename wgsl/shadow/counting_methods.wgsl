@@ -1,12 +1,13 @@
 // Stage `counting_methods`: chooses for each caster, light and view which faces cast, how the stencil counts, and where
-// the volume ends. It looks at the caster's box, never at its faces. Culled volumes cast nothing. z-pass counts unless
-// a face may lie between light and near rectangle (what the camera sees of the near plane). Back-facing faces cast
-// where they suffice, else every face. Dispatched after `bounds`, once for all light batches: an invocation a caster
-// and light, a row of workgroups a view. Reads: boxes and flags of casters, receivers, the lights that affect a caster,
-// CHOICE_DIRTY. Writes: choices (shadow/choices.wgsl), for `zp_plus_2005_cases`, `caps` and all later stages;
-// statistics. All tests have slack above their rounding errors. If a test is not certain, the volume is not culled,
-// every face casts, and `caps` looks for near caps. docs/numerics/casting-faces.md, "Which faces cast";
-// docs/numerics/shadow-volumes.md, "Volumes that end"; docs/numerics/receivers.md, "Volumes without a receiver".
+// the volume ends. It looks at the caster's box, never at its faces. Culled volumes cast nothing. With COUNT_AUTO z-pass
+// counts, but ZP+ if a face may lie between light and near rectangle (what the camera sees of the near plane). Else the
+// caller chose the method. Back-facing faces cast where they suffice, else every face. Dispatched after
+// `bounds`, once for all light batches: an invocation a caster and light, a row of workgroups a view. Reads: boxes and
+// flags of casters, receivers, the lights that affect a caster, CHOICE_DIRTY. Writes: choices (shadow/choices.wgsl), for
+// `zp_plus_2005_cases`, `caps` and all later stages; statistics. All tests have slack above their rounding errors. If a
+// test is not certain, the volume is not culled, every face casts, and `caps` looks for near caps.
+// docs/numerics/casting-faces.md, "Which faces cast"; docs/numerics/shadow-volumes.md, "Volumes that end";
+// docs/numerics/receivers.md, "Volumes without a receiver".
 
 #import common/casters
 #import shadow/caster
@@ -14,7 +15,7 @@
 #import shadow/culling
 #import shadow/shadow
 
-@group(0) @binding(0) var<uniform> shape: ShadowShape;
+@group(0) @binding(0) var<uniform> shape: ShadowShape; // The first group's and batch's: read only what all share.
 @group(0) @binding(1) var<storage, read> view_lights: array<ViewLight>; // For each view all lights.
 @group(0) @binding(2) var<storage, read> table: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read> boxes: array<u32>;
@@ -61,7 +62,7 @@ fn can_contain_light(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> boo
     all((above >= light.light.xyz) | !are_finite(above));
 }
 
-// Whether the whole box is outside the pyramid of light and near rectangle.
+// Whether the whole box is certainly outside one plane of the pyramid of light and near rectangle.
 fn is_outside_pyramid(view: ShadowView, light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
   var outside = vec4<bool>(true);
   var outside_near = true;
@@ -75,9 +76,9 @@ fn is_outside_pyramid(view: ShadowView, light: ShadowLight, low: vec3<f32>, high
 
 const LARGEST_HEIGHT: f32 = 3.4028234663852886e38; // The largest f32.
 
-// `ShadowLight::frustum_near`, for ZP+ as published. Nothing of the caster lies before the near end of the frustum. For a
-// point light it is the distance of the caster over that of the farthest point of the near rectangle. For a light at
-// infinity it is the height of the caster over the near plane.
+// `ShadowLight::frustum_near`, for ZP+ as published. Nothing of the caster lies before the near end of the frustum, unless
+// the least value below is farther. For a point light it is the distance of the caster over that of the farthest point of
+// the near rectangle. For a light at infinity it is the height of the caster over the near plane, on the light's side.
 fn frustum_near_end(view: ShadowView, light: ShadowLight, scale: f32, low: vec3<f32>, high: vec3<f32>) -> f32 {
   if (light.light.w > 0.0) {
     let light_position = to_camera_frame(view, light.light.xyz / light.light.w);
@@ -130,7 +131,8 @@ fn choose_by_box(
     return light;
   }
   let is_light_inside = can_contain_light(light, low, high);
-  // A light in the box may be in the plane of a face. Facing would tell, but this stage does not wait for it.
+  // A light in the box may be in the plane of a face. Facing would tell, but this stage does not wait for it. With the light
+  // outside the box such a face does no harm, excluded or not.
   light.excludes = select(0u, 1u, has_holes || has_twisted || is_light_inside || (flags & EXCLUDES) != 0u);
   // Back-facing faces suffice for a closed caster if light and eye are outside it. A caster with holes is not closed.
   // docs/numerics/casting-faces.md, "Which faces cast".
@@ -173,7 +175,7 @@ fn choice_words(caster: u32, light_index: u32, view_index: u32) -> ChoiceWords {
     1u << (light_index % 32u));
 }
 
-// Clears earlier choices. A caster that did not cast has none.
+// Clears earlier choices. A caster that did not cast has none. Measures stay: they have a meaning only if the caster casts.
 fn clear_choices(words: ChoiceWords) {
   if ((atomicLoad(&choices[words.choices_offset + CHOICE_CASTS]) & words.light_mask) == 0u) {
     return;
@@ -227,8 +229,8 @@ fn chosen_light(caster: u32, light_index: u32, entry: u32, bounding_box: CasterB
   return light;
 }
 
-// Writes and counts the choices for a caster that casts. `does_exclude`: it has excluded faces, also if the light lies in
-// the plane of none.
+// Writes and counts the choices for a caster that casts. It only sets bits: `clear_choices` cleared those of the caster,
+// `relist` those of its group. `does_exclude`: it has excluded faces, also if the light lies in the plane of none.
 fn write_choices(words: ChoiceWords, light: ShadowLight, does_exclude: bool, has_twisted: bool) {
   let choices_offset = words.choices_offset;
   let light_mask = words.light_mask;

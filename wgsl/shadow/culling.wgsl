@@ -1,10 +1,11 @@
 // Tests by which casters and volumes are culled before anything is drawn: by light range, by view and by receivers. A
 // further test is whether a box or face may lie between light and near rectangle. The near rectangle is what the camera
 // sees of the near plane. A box is the axis-aligned box of a caster, and its volume is the shadow volume of the whole box.
-// `counting_methods` calls all of them but `is_box_outside_view`. `caps` tests faces by `pyramid_planes`, and `needs` calls
-// the tests by range and view. Every test has slack above its rounding errors. It says that a box or volume is outside only
-// if this is certain, so nothing visible is culled. docs/numerics/shadow-volumes.md, "Slack of culling", and
-// docs/numerics/receivers.md, "Volumes without a receiver".
+// View and light must be for the space of the box (shadow/caster.wgsl). `counting_methods` calls all of them but
+// `is_box_outside_view`. `caps` tests faces by `pyramid_planes`, and `needs` calls the tests by range and view. Every test
+// has slack above its rounding errors. It says that a box or volume is outside only if this is certain, so nothing visible
+// is culled. docs/numerics/shadow-volumes.md, "Slack of culling", and docs/numerics/receivers.md, "Volumes without a
+// receiver".
 
 #import common/casters
 #import shadow/receivers
@@ -94,7 +95,7 @@ fn extrusion_terms(view: ShadowView, light: ShadowLight, position: vec3<f32>) ->
     dot_3(abs(view.placement[2].xyz), terms));
 }
 
-// Whether the whole volume of a box is outside the left, right, bottom, top or near plane of the camera.
+// Whether the whole volume of a box, to infinity, is outside one plane of the camera: left, right, bottom, top or near.
 fn is_volume_outside_view(view: ShadowView, light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
   var outside = vec4<bool>(true); // Left, right, bottom, top.
   var outside_near = true;
@@ -120,7 +121,7 @@ fn is_volume_outside_view(view: ShadowView, light: ShadowLight, low: vec3<f32>, 
   return any(outside) || outside_near;
 }
 
-// Whether the whole box is outside the left, right, bottom, top or near plane of the camera.
+// Whether the whole box is outside one plane of the camera: left, right, bottom, top or near.
 fn is_box_outside_view(view: ShadowView, low: vec3<f32>, high: vec3<f32>) -> bool {
   var outside = vec4<bool>(true); // Left, right, bottom, top.
   var outside_near = true;
@@ -140,7 +141,8 @@ fn is_box_outside_view(view: ShadowView, low: vec3<f32>, high: vec3<f32>) -> boo
   return any(outside) || outside_near;
 }
 
-// The receivers of all views (shadow/receivers.wgsl). Functions below take the offset of a view's words.
+// The receivers of all views (shadow/receivers.wgsl). Functions below take the offset of a view's words, which
+// must not be 0.
 @group(0) @binding(8) var<storage, read> receivers: array<u32>;
 
 fn load_receiver_corner(offset: u32) -> vec3<f32> {

@@ -4,7 +4,8 @@
 // `caps` and `list_sides` write the lists of faces and edges, `cut_edges` and `cut_quads` those of pieces. Stages that
 // make draw arguments or bound counts read them, and so do vertex shaders. The order in a list is arbitrary. Two lists of
 // a light may share a range: one grows from its front, one from its back. If they overflow, the sum of their counts
-// exceeds the capacity. Readers then go over all edges or faces, and decide by the functions of this file.
+// exceeds the capacity. Readers then go over all edges or faces, and decide by the functions of this file. But pieces without
+// room are lost: draws have the listed ones, and `lost_pieces` counts the others.
 // `is_casting_face` and `side_of_edge` must agree, or volumes are not closed. docs/numerics/watertight.md.
 //
 // Expects: `shape`, and, as far as functions are used, `edge_faces`, and by slots `facing_masks` and `excluded_masks`.
@@ -14,7 +15,7 @@
 #import shadow/caster
 #import shadow/shadow
 
-// Whether a face casts.
+// Whether a face casts if it is not excluded.
 fn is_casting_face(light: ShadowLight, is_front_facing: bool) -> bool {
   return light.casting == CAST_EVERY || (light.casting == CAST_BACK_FACING && !is_front_facing);
 }
@@ -25,13 +26,15 @@ fn has_near_cap(light: ShadowLight) -> bool {
 }
 
 // Whether the volume has light or dark caps: with z-fail, if it ends at the range, or if the caster is not in the depth
-// buffer, so that the eye sees through its faces. A volume that ends behind all receivers needs no dark cap.
+// buffer, so that the eye sees through its faces. A volume that ends behind all receivers needs no dark cap, but has one if
+// `end_at_range` is set, because `end` does not tell the two apart.
 fn has_far_caps(light: ShadowLight, flags: u32) -> bool {
   return light.counting == COUNT_Z_FAIL || (light.end > 0.0 && shape.end_at_range != 0u) || (flags & PROXY) != 0u;
 }
 
 // A light has four lists of cap faces, by their kind. Kinds 0 and 1 are near caps, kinds 2 and 3 are light and dark caps.
-// Caps of kinds 0 and 2 count up where the camera sees their front, those of kinds 1 and 3 where it sees their back.
+// Near and light caps of kinds 0 and 2 are the front of the volume where the camera sees the face's front, those of kinds 1
+// and 3 where it sees its back. Dark caps are the other way round. z-fail counts fronts of volumes down, other methods up.
 const CAP_COUNTS: u32 = 128u; // Words before the lists: four counts for each of 32 lights.
 const FAR_CAPS: u32 = 2u; // The first kind of light and dark caps.
 
@@ -72,8 +75,11 @@ fn side_kind(light: ShadowLight) -> u32 { return select(PLAIN, CLIPPED, has_near
 
 // The side of an edge: its weight and winding are size and sign of the edge's multiplicity over the faces that cast.
 struct EdgeSide {
-  weight: u32, // How often the side is drawn, 0 to 2. Where every face casts, a silhouette has 2 and a boundary 1.
-  winding: bool, // If set, (b, a, far a, far b) is counter-clockwise as seen from outside the volume.
+  // How often the side is drawn, 0 to 2. Where every face casts and none is excluded, a silhouette has 2 and a boundary 1.
+  weight: u32,
+  // If set, (b, a, far a, far b) is counter-clockwise as seen from outside the volume, else (a, b, far b, far a). A matrix
+  // that mirrors exchanges them. Without a meaning if the weight is 0.
+  winding: bool,
 }
 
 // The summand of a face in the multiplicities of its edges, where every face casts. It is 0 for an excluded face.
@@ -90,6 +96,7 @@ fn side_of_edge(casting: u32, faces: vec2<u32>, facing: vec2<bool>, excluded: ve
   }
   let is_boundary = faces.y == NO_FACE;
   if (casting == CAST_BACK_FACING) {
+    // Only for closed casters, so no record has INCONSISTENT.
     let casts = !facing & !excluded;
     return EdgeSide(select(0u, 1u, casts.x != (casts.y && !is_boundary)), !casts.x);
   }
@@ -101,7 +108,8 @@ fn side_of_edge(casting: u32, faces: vec2<u32>, facing: vec2<bool>, excluded: ve
   return EdgeSide(u32(abs(multiplicity)), multiplicity > 0);
 }
 
-// The side of a caster's edge record for the light of a bit, by the bound masks.
+// The side of a caster's edge record for the light of a bit, by the bound masks. `record` is its index in the page, and
+// `light` has the choices for the caster.
 fn edge_side(caster: u32, record: u32, light: ShadowLight, bit: u32) -> EdgeSide {
   let faces = edge_faces[record];
   let slots = vec2<u32>(face_range(caster).x) +
@@ -115,8 +123,8 @@ fn edge_side(caster: u32, record: u32, light: ShadowLight, bit: u32) -> EdgeSide
 }
 
 // Pieces of twisted polygons. A piece is a segment of the border between lit and dark parts of a polygon, as seen from
-// light L, with the dark part on its left. `pieces` has a count for each of 32 lights, then a list for each light. A piece
-// is nine words: the positions of its begin, of its end, and of the middle of its polygon. Caps are fans of triangles around
-// the middle.
+// light L, with the dark part on its left. `pieces` has a count for each of 32 lights, with the pieces that were lost, then a
+// list for each light. A piece is nine words: the positions of its begin, of its end, and of the middle of its polygon. Caps
+// are fans of triangles around the middle.
 const PIECE_COUNTS: u32 = 32u;
 const PIECE_WORDS: u32 = 9u;

@@ -13,7 +13,8 @@
 struct StencilPencil {
   light_position: vec3<f32>, // The position of the light. 0 if it is at infinity.
   kind: u32, // One of the constants PENCIL_….
-  // Two directions at right angles to the axis and to each other. They are the coordinates from which keys are computed.
+  // Two directions at right angles to the axis and to each other, in general not of length 1. They are the coordinates from
+  // which keys are computed.
   forward: vec3<f32>,
   first_key: f32, // The key at which the first bin begins.
   aside: vec3<f32>,
@@ -21,14 +22,16 @@ struct StencilPencil {
 }
 
 const PENCIL_PARALLEL: u32 = 0u; // The light is at infinity. The half planes are parallel.
-const PENCIL_FAN: u32 = 1u; // The light is outside the box of all casters, which lie in the direction `forward`.
-// The light is in the box of all casters, or as near as `box_slack`. The axis is parallel to a coordinate axis.
+// The light is outside the box of all casters that cast. Their positions, relative to it, have a positive dot product with
+// `forward`.
+const PENCIL_FAN: u32 = 1u;
+// The light is in this box, or as near as `box_slack`. The axis is parallel to a coordinate axis.
 const PENCIL_AROUND: u32 = 2u;
 const BINS: u32 = 1024u;
 // A row of words for each pencil and count batch. Word n is the weight that begins in bin n less the weight that ends in bin
 // n - 1. A word for the last end follows, then these:
-const AXIS_FACES: u32 = 1025u; // Faces of the casters that the axis may meet.
-const ALL_FACES: u32 = 1026u; // Faces of all casters. Another word is not used.
+const AXIS_FACES: u32 = 1025u; // Faces of those casters of ALL_FACES that the axis may meet. 0 unless PENCIL_AROUND.
+const ALL_FACES: u32 = 1026u; // Faces of all casters of the count batch that cast for the light. Another word is not used.
 const ROW_WORDS: u32 = 1028u;
 
 // The offset of the row of a light in a view, for a count batch.
@@ -99,7 +102,7 @@ fn add_edge(pencil: StencilPencil, row: u32, a: vec3<f32>, b: vec3<f32>, weight:
   let q = half_plane_key(pencil, b);
   let first = bin_of_key(pencil, min(p, q));
   let last = bin_of_key(pencil, max(p, q));
-  // The axis does not meet the caster's box, so the edge spans less than half a turn: it goes around the shorter way.
+  // Callers leave out casters whose box the axis may meet, so the edge spans less than half a turn: it goes the shorter way.
   if (pencil.kind == PENCIL_AROUND && abs(p - q) > 2.0) {
     add_to_bins(row, BinRange(0u, first), weight);
     add_to_bins(row, BinRange(last, BINS - 1u), weight);

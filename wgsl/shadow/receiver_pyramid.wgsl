@@ -101,8 +101,9 @@ fn extend_box_by_position(x: f32, y: f32, depth: f32) {
   extend_box(lowest - UNPROJECTION_SLACK * abs(lowest), highest + UNPROJECTION_SLACK * abs(highest));
 }
 
-// Extends the box by the receivers in a cell of the pyramid and one pixel around it. A cell has `size` pixels, across and
-// down.
+// Extends the box by the corners of what is seen through a cell of the pyramid and one pixel around it, at the depth of its
+// farthest receiver. Nearer receivers lie between these and the near rectangle, which the box must contain, too. A cell has
+// `size` pixels, across and down.
 fn extend_box_by_cell(cell: vec2<u32>, size: u32, key: u32) {
   if (key == 0u) {
     return;

@@ -21,8 +21,8 @@ struct ReceiverView {
 }
 
 // The number of words of the head. 0, 1: tiles across and down. 2, 3: pixels across and down. 4: key of the farthest
-// receiver. 5: whether the box is finite. 6 to 8: lowest corner of the box. 9 to 11: highest corner. The others are not
-// used.
+// receiver. 5: 1 if the box has an end, else 0. 6 to 8: lowest corner of the box. 9 to 11: highest corner. Both are 0 for a
+// box without an end. The others are not used.
 const RECEIVERS_HEAD: u32 = 16u;
 // Pixels of a tile, across and down.
 const TILE: u32 = 8u;
@@ -30,7 +30,8 @@ const TILE: u32 = 8u;
 // The key of a depth, at least 1. 0 stands for no receiver. `near_z` is the depth of the near plane, which
 // tells reversed depth (1) from standard depth (0).
 fn receiver_key(depth: f32, near_z: f32) -> u32 {
-  let bits = bitcast<u32>(clamp(depth, 0.0, 1.0));
+  // Without a sign: a format of floats may hold -0, which `clamp` may leave as it is.
+  let bits = bitcast<u32>(clamp(depth, 0.0, 1.0)) & 0x7fffffffu;
   return select(bits + 1u, 0x40000000u - bits, near_z != 0.0);
 }
 

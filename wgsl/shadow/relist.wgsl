@@ -1,11 +1,11 @@
 // Stage `relist`: finds the lights whose lists of sides and caps are dirty, for a group of casters and a view, and
 // empties these lists. A list is dirty if the silhouettes, the camera or its receivers changed. All other lists are
-// cached and drawn again. The lists of lights that the view leaves out stay empty and are never dirty.
+// cached and drawn again. The lists of lights that the view leaves out are empty and never dirty.
 // Dispatched before `bounds`, one workgroup for each group, light batch (up to 32 lights) and view; an invocation is a
 // light.
 // Reads: the encodes that made the silhouettes (`cache`), and the camera's version, which also changes with the receivers.
 // Writes: `list_versions`, the versions from which lists are made; CHOICE_DIRTY, for `bounds`, `counting_methods`, `caps` and
-// `list_sides`. It clears the exclusion bits of dirty lights.
+// `list_sides`. It clears CHOICE_MAY_EXCLUDE and CHOICE_DOES_EXCLUDE of dirty lights, no choice of a caster.
 // Versions are on the GPU beside the lists, so an encoder that is dropped changes neither. docs/numerics/scene.md,
 // "Cached results".
 

@@ -13,17 +13,18 @@ struct ShadowStatistics {
   // Pairs whose light is relevant to the caster, but whose volume is culled, or whose caster has no finite face.
   skipped: atomic<u32>,
   every_face: atomic<u32>, // Pairs for which every face casts.
-  near_capped: atomic<u32>, // Lists of a light, a group of casters and a view that have near caps.
-  overflowed_caps: atomic<u32>, // The same lists, where cap faces overflowed.
-  overflowed_sides: atomic<u32>, // The same lists, where sides overflowed.
+  // Lists of a light, a group of casters and a view, as in the next two and `cached_lists`, that have near caps of faces.
+  near_capped: atomic<u32>,
+  overflowed_caps: atomic<u32>, // Lists whose cap faces overflowed, near caps or others.
+  overflowed_sides: atomic<u32>, // Lists whose sides overflowed.
   ended: atomic<u32>, // Pairs whose volume ends, at the range of the light or behind all receivers.
   // An upper bound of the stencil counts of any light in any view. 0 unless the caller asks for it; so is the next.
   count_bound: atomic<u32>,
   may_wrap: atomic<u32>, // Pairs of light and view whose bound exceeds `ShadowShape::largest_count`.
-  cached_lists: atomic<u32>, // Lists of a light, a group of casters and a view that are cached.
-  // Skipped pairs culled by receivers: no receiver can lie in the volume. Cached pairs are not counted; nor are they below.
+  cached_lists: atomic<u32>, // Lists that are cached.
+  // Skipped pairs culled by receivers: no receiver can lie in the volume. Cached pairs are not counted.
   culled_by_receivers: atomic<u32>,
-  culled_by_range: atomic<u32>, // Skipped pairs culled by light range.
+  culled_by_range: atomic<u32>, // Skipped pairs culled by light range. Cached pairs are not counted.
   lost_pieces: atomic<u32>, // Pieces of twisted polygons that the list has no room for. Shadows are wrong there.
   most_pieces: atomic<u32>, // The most pieces of a caster for a light, including those without room.
 }
@@ -46,8 +47,9 @@ struct ShadowView {
 struct ShadowLight {
   light: vec4<f32>, // Homogeneous, in the space of the caster's positions, scaled so that w is 0 or a power of two.
   clip: vec4<f32>, // The light in clip space.
-  height: f32, // The height of the light over the near plane, times w.
-  range: f32, // The range of the light. 0: none.
+  // The dot product of near plane and light: w times the height. At infinity it is the rise of the direction to the light.
+  height: f32,
+  range: f32, // The range of the light, in world space. 0: no limit.
   casting: u32, // The faces that cast: one of the constants CAST_….
   counting: u32, // The counting method: one of the constants COUNT_….
   // The near end of the light's frustum, for ZP+ as published. For a point light it is the distance of the near end from the
@@ -57,8 +59,8 @@ struct ShadowLight {
   // * Point light: the far vertex is the light plus (position - light) / end.
   // * Light at infinity: it is the position plus 1 / end times the direction away from the light.
   end: f32,
-  // 1: the caster may have excluded faces for this light. These are faces with the light in their plane, faces that are not
-  // finite, twisted polygons (shadow/draw_lists.wgsl), and faces that the caller excludes.
+  // 1: the caster may have excluded faces for this light. These are faces with the light in their plane, where it may be in the
+  // caster's box, faces that are not finite, twisted polygons (shadow/draw_lists.wgsl), and faces that the caller excludes.
   excludes: u32,
   scale: f32, // The caster's light in the scene table, times `scale`, is `light` (`light_for_caster`).
   // Rows x, y and w of the matrix of the light's frustum, for ZP+ as published. It maps (position in the camera frame, 1).
@@ -94,7 +96,7 @@ struct ShadowShape {
   counting: u32, // One of the constants COUNT_….
   cull_by_range: u32, // 1: cull casters by light range.
   cull_by_view: u32, // 1: cull volumes by view.
-  end_at_range: u32, // 1: volumes end at the range of their light.
+  end_at_range: u32, // 1: volumes end at the range of their light, but for those that ZP+ counts.
   // Offsets in the table, in vec4s: choices and measures (shadow/choices.wgsl), lights of casters, casters of the chunks of
   // face slots and of edge slots.
   choices_offset: u32,
@@ -232,7 +234,8 @@ fn is_finite(position: vec3<f32>) -> bool {
 // The light's side of the near plane: -1 on the eye's side, else 1.
 fn light_side(light: ShadowLight) -> f32 { return select(1.0, -1.0, light.height < 0.0); }
 
-// The vertex, projected from the light onto the near plane, in clip space.
+// The vertex, projected from the light onto the near plane, in clip space. It has a meaning only if the vertex lies between
+// both: its heights, near and far, have different signs.
 fn project_to_near_plane(view: ShadowView, light: ShadowLight, v: Corner) -> vec4<f32> {
   let s = light_side(light);
   var xy = v.far.xy * light.height - light.clip.xy * v.far_height;
@@ -251,7 +254,7 @@ fn on_near_plane(view: ShadowView, a: Corner, b: Corner) -> vec4<f32> {
   return vec4<f32>(a.near.xy + (b.near.xy - a.near.xy) * t, view.near_z * view.near_w, view.near_w);
 }
 
-// A position in clip space that is not in front of the near plane: its depth is corrected if rounding moved it there.
+// A position in clip space that is not before the near plane: its depth is corrected if rounding moved it there.
 fn behind_near_plane(view: ShadowView, clip: vec4<f32>) -> vec4<f32> {
   return vec4<f32>(clip.xy, select(max(clip.z, 0.0), min(clip.z, clip.w), view.near_z != 0.0), clip.w);
 }

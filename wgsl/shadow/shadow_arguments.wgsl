@@ -3,8 +3,8 @@
 // Dispatched for each group of casters, light batch (up to 32 lights) and view, one workgroup; an invocation is a light.
 // `shadow_arguments` follows `list_sides`. `piece_arguments` follows it for groups whose only caster is a mesh of
 // polygons.
-// Reads: the counts of lists (shadow/draw_lists.wgsl), and choices. Writes: `shadow_draws` for sides and caps, `piece_draws`
-// for pieces.
+// Reads: the counts of lists (shadow/draw_lists.wgsl), and for pieces choices. Writes: `shadow_draws` for sides and caps,
+// `piece_draws` for pieces.
 // The vertex shaders of sides.wgsl, cap_faces.wgsl and piece_volumes.wgsl derive list entries from instance indices as
 // they are counted here: change both together.
 
@@ -14,19 +14,20 @@
 #import shadow/shadow
 
 // Stage `shadow_arguments`: from the counts of `list_sides` and `caps`. If the two lists of a range overflowed, their draws
-// have two instances for each edge, or one for each face. The vertex shader rejects those that would not be in its list.
-// This is slower, but shadows stay right.
+// have two instances for each edge, or one for each face. The vertex shader rejects those that would not be in its list, but
+// for near caps that cover nothing. This is slower, but shadows stay right.
 
-// The draws of the shadow volumes of one light and group.
+// The draws of the shadow volumes of one light, view and group. Fronts and backs of caps: their kinds, 0 or 2 and 1 or 3
+// (shadow/draw_lists.wgsl).
 struct ShadowDraws {
   plain: DrawArguments, // Sides that the hardware clips.
   clipped: DrawArguments, // Sides clipped at the near plane, or sides of ZP+ as published.
-  near_front: DrawArguments, // Near caps that count up on their front.
-  near_back: DrawArguments, // Near caps that count up on their back.
-  // Light and dark caps with z-fail, and dark caps of volumes that end with z-pass, likewise.
+  near_front: DrawArguments,
+  near_back: DrawArguments,
+  // Light and dark caps with z-fail, and dark caps of volumes that end with z-pass.
   far_front: DrawArguments,
   far_back: DrawArguments,
-  // Light caps of casters that are not in the depth buffer, with z-pass and ZP+, likewise.
+  // Light caps of casters that are not in the depth buffer, with z-pass and ZP+.
   light_front: DrawArguments,
   light_back: DrawArguments,
 }
@@ -96,7 +97,7 @@ fn shadow_arguments(@builtin(local_invocation_index) bit: u32) {
 // Stage `piece_arguments`: from the counts of `cut_edges` and `cut_quads`, which list pieces of twisted polygons
 // (shadow/draw_lists.wgsl), and from the choices for the only caster of the group.
 
-// The draws of the pieces of one light.
+// The draws of the pieces of one light, view and group.
 struct PieceDraws {
   plain: DrawArguments, // Sides that the hardware clips.
   clipped: DrawArguments, // Sides clipped at the near plane.

@@ -1,9 +1,9 @@
 // Vertex shaders of sides, in the caller's render pass. A side is the quad from an edge away from the light.
 // The indirect draws of `shadow_arguments` have an instance for each entry of a list of `list_sides`, drawn as a strip.
-// If the light's lists overflowed, each edge of the group has two instances, and the shader decides whether they are
-// drawn. `side` leaves clipping to the hardware. `side_clipped` clips at the near plane itself, so that the seam with
-// near caps (`cap_faces`) has equal bits. Both may be trimmed (shadow/vertices.wgsl). `zp_plus_2005_side` is the side as
-// published in 2005.
+// If the light's lists overflowed, each edge slot of the group has two instances, and the shader decides whether they are
+// drawn. `side` leaves clipping to the hardware. `side_clipped` clips at the near plane itself, so that the seam with near
+// caps (`cap_faces`) has equal bits. Both may be trimmed (shadow/vertices.wgsl). `zp_plus_2005_side` is the side as published
+// in 2005, with three instances for each of these.
 // Stencil counts depend on the order of a side's ends, seams on the order of their vertex indices.
 // docs/numerics/shadow-volumes.md, "Closed volumes".
 

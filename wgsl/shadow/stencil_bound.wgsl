@@ -10,7 +10,7 @@
 #import shadow/half_plane_bins
 #import shadow/shadow
 
-@group(0) @binding(0) var<uniform> shape: ShadowShape;
+@group(0) @binding(0) var<uniform> shape: ShadowShape; // The first group's: read only what all share.
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
 @group(0) @binding(2) var<storage, read> bin_rows: array<u32>; // The rows of all pencils.
 @group(0) @binding(3) var<storage, read_write> shadow_statistics: ShadowStatistics;

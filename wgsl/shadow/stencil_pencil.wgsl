@@ -1,7 +1,7 @@
 // Stage `stencil_pencil`: chooses a pencil of half planes for each light and view, from which `stencil_bound` bounds
 // stencil counts (shadow/half_plane_bins.wgsl).
-// Dispatched after `shadow_arguments`, if the caller asks for a bound: a workgroup for each light and view, which shares
-// all casters.
+// Dispatched after `shadow_arguments`, if the caller asks for a bound: a workgroup for each light and view, whose
+// invocations share all casters.
 // Reads: choices, and boxes of the casters that cast for the light and view.
 // Writes: the pencil; ALL_FACES and AXIS_FACES of its rows, which must be zeros before. `stencil_crossings` and
 // `piece_crossings` add to the same rows.
@@ -13,7 +13,7 @@
 #import shadow/half_plane_bins
 #import shadow/shadow
 
-@group(0) @binding(0) var<uniform> shape: ShadowShape;
+@group(0) @binding(0) var<uniform> shape: ShadowShape; // The first group's: read only what all share.
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
 @group(0) @binding(2) var<storage, read> view_lights: array<ViewLight>; // For each view all lights.
 @group(0) @binding(3) var<storage, read> table: array<vec4<u32>>;

@@ -1,5 +1,5 @@
 // Vertices of sides and caps of shadow volumes, in clip space, for the vertex shaders `sides`, `cap_faces` and
-// `piece_volumes`.
+// `piece_volumes`; `zp_plus_2005_cases` takes one test from here.
 // A side is the quad from an edge away from the light. A light cap is a face, a dark cap is the same face at the far end
 // of the volume. A near cap is the part of a face between light and near plane, projected from the light onto that plane.
 // Shapes clipped at the near plane are polygons of up to five vertices, drawn as strips.
@@ -163,8 +163,8 @@ fn emit_clipped_edge(selected: SelectedVertex, view: ShadowView, a: Corner, b: C
   return emit_vertex(next, on_near_plane(view, b, a), crosses_plane);
 }
 
-// The light cap of a caster that is not in the depth buffer, as a strip of four vertices. With ZP+ it is clipped at the near
-// plane, where near cap and sides have the same bits. Else the hardware clips it.
+// The light cap of a piece, or of a caster that is not in the depth buffer, as a strip of four vertices. With ZP+ it is
+// clipped at the near plane, where near cap and sides have the same bits. Else the hardware clips it.
 fn seen_light_cap_vertex(
   view: ShadowView,
   light: ShadowLight,
@@ -301,9 +301,10 @@ fn side_vertex(view: ShadowView, light: ShadowLight, first: vec3<f32>, second: v
   return far_vertex(view, light, position);
 }
 
-// A side clipped at the near plane, as a strip of five vertices. `is_ordered`: the first end has the lower vertex index. Its
-// vertices follow the boundary of the quad: from the end that comes first to the other, then back along the far vertices.
-// If this is not the direction of the side, the strip is reversed.
+// A side clipped at the near plane, as a strip of five vertices. It ignores `light.end`, since volumes that ZP+ counts do not
+// end. `is_ordered`: the first end has the lower vertex index. Its vertices follow the boundary of the quad: from the end
+// that comes first to the other, then back along the far vertices. If this is not the direction of the side, the strip is
+// reversed.
 fn clipped_side_vertex(
   view: ShadowView,
   light: ShadowLight,

@@ -2,7 +2,7 @@
 // plane cuts both finite edges of such a side. The published method leaves such a caster and light to z-fail.
 // Dispatched between `counting_methods` and `caps` for each group of casters, light batch (up to 32 lights) and view. A
 // row of workgroups shares the silhouettes of a light, or all edges if its list overflowed. Reads: silhouettes,
-// positions, lights. Writes: it clears CHOICE_NEAR_CAP of these casters, for `caps` and later stages.
+// positions, lights, choices. Writes: it clears CHOICE_NEAR_CAP of these casters, for `caps` and later stages.
 
 #import common/extraction
 #import shadow/caster

@@ -41,8 +41,8 @@ pub(crate) struct PartDraw {
     pub(super) polygon_parts: u32,
 }
 
-// Indices of the fields of `ShadowDraws`. The first four are those of `PieceDraws`, too. Caps have two: those that count up
-// on their front, and those that count up on their back.
+// Indices of the fields of `ShadowDraws`. The first four are those of `PieceDraws`, too. Caps have two, by their kind: 0 or
+// 2, then 1 or 3.
 const PLAIN: u64 = 0;
 const CLIPPED: u64 = 1;
 const NEAR_CAPS: u64 = 2;
@@ -80,7 +80,7 @@ impl Part {
             argument,
         };
         let side = |entry_point, count, argument| drawn(Polygons::Sides, entry_point, count, argument);
-        // Caps that count up on their front, and those that count up on their back. `first` is the kind of the first list.
+        // Caps of the kinds `first` and `first` + 1 (`wgsl/shadow/draw_lists.wgsl`).
         let caps = |entry_point, count, first: u32, argument: u64| {
             [0, 1].map(|back: u32| Drawn {
                 kind: first + back,
