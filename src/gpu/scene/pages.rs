@@ -171,8 +171,8 @@ impl Pages {
         }
     }
 
-    /// Makes regions available that were freed before the last encode but this one. Each encode calls it. The queue would
-    /// otherwise write them before frames that are recorded but not yet submitted.
+    /// Makes regions available that were freed before the encode before this one. Each encode calls it at its end. The queue
+    /// would otherwise write them before frames that are recorded but not yet submitted.
     pub(crate) fn reclaim(&mut self) {
         let [since_last, before] = &mut self.freed;
         for region in std::mem::replace(before, std::mem::take(since_last)) {

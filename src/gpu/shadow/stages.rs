@@ -1,5 +1,5 @@
-//! The compute passes before the draws: `bounds`, `counting_methods`, `caps`, `list_sides`, `shadow_arguments`, and
-//! four optional ones. And the bind groups of the draws.
+//! The compute passes before the draws: `relist`, `bounds`, `counting_methods`, `caps`, `list_sides`, `shadow_arguments`,
+//! and six optional ones. And the bind groups of the draws.
 
 use wgpu::BindingResource;
 
