@@ -417,9 +417,15 @@ impl Scene {
         if entry.mesh.polygons.is_some() && !faces.is_empty() {
             return Err(ShadowError::Polygons);
         }
+        let slots = entry.mesh.slots(faces);
+        let before = entry.excluded.iter().find(|(of, _)| *of == light);
+        if before.map_or(slots.is_empty(), |(_, before)| *before == slots) {
+            // A new layout would discard all that is cached.
+            return Ok(());
+        }
         entry.excluded.retain(|(of, _)| *of != light && self.content.lights.check(*of).is_ok());
-        if !faces.is_empty() {
-            entry.excluded.push((light, entry.mesh.slots(faces)));
+        if !slots.is_empty() {
+            entry.excluded.push((light, slots));
         }
         self.structure = None;
         Ok(())
