@@ -453,8 +453,11 @@ impl Scene {
         for (number, polygon) in polygons.iter().enumerate() {
             occluders::check(number, polygon, &entry.mesh)?;
         }
-        entry.occluders = polygons.iter().map(|&polygon| polygon.into()).collect();
-        self.structure = None;
+        let occluders: Vec<Arc<[[f32; 3]]>> = polygons.iter().map(|&polygon| polygon.into()).collect();
+        if entry.occluders != occluders {
+            entry.occluders = occluders;
+            self.structure = None;
+        }
         Ok(())
     }
 
