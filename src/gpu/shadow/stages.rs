@@ -30,9 +30,10 @@ enum Over {
     Boxes,
     /// All casters, lights and views in one dispatch.
     Pairs,
-    /// For each group, batch and view: one workgroup, also only where there are pieces, or faces, edges, sides, pieces.
+    /// For each group, batch and view one workgroup. The same only where there are pieces.
     One,
     OneOfPieces,
+    /// For each group, batch and view its faces, edges, sides, or pieces where there are any.
     Faces,
     Edges,
     Sides,
