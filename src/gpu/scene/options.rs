@@ -109,7 +109,7 @@ impl Measuring {
     /// Deforming casters that the frame does not need.
     pub const CULLED_CASTERS: Self = Self(1 << 7);
 
-    /// What is culled or cached without a call of the caller, but for [`Self::CULLED_CASTERS`].
+    /// Everything that is culled or cached without a call of the caller, but for [`Self::CULLED_CASTERS`].
     pub const CULL_NOTHING: Self = Self(
         Self::CULLED_BY_RANGE.0
             | Self::CULLED_BY_VIEW.0
