@@ -18,7 +18,7 @@ pub const COUNT_Z_PASS: u32 = 0;
 pub const COUNT_ZP_PLUS: u32 = 1;
 /// Value of [`ShadowLight::counting`]: z-fail.
 pub const COUNT_Z_FAIL: u32 = 2;
-/// Value of [`crate::layout::ShadowShape::counting`]: z-pass or ZP+, chosen for each light.
+/// Value of [`crate::layout::ShadowShape::counting`]: z-pass or ZP+, chosen for each caster, light and view.
 pub const COUNT_AUTO: u32 = 3;
 /// Value of [`ShadowLight::counting`]: ZP+ as published.
 pub const COUNT_ZP_PLUS_2005: u32 = 4;
@@ -38,14 +38,15 @@ pub enum Counting {
     ZpPlus,
     /// ZP+ as Hornus et al. published it in 2005, for comparison: the matrix of the light's frustum computes the near
     /// caps, side vertices before the near plane move to their position in the cap, and corrective quads close the
-    /// gaps. A caster is counted by z-fail for a light where the near plane cuts both ends of a side (its case D), or
-    /// where the caster has faces that are not finite. The method is not right from every camera, takes perspective
-    /// cameras only, and needs what z-fail needs. [`Self::Auto`] never chooses it.
+    /// gaps. A caster is counted by z-fail for a light where the near plane cuts both ends of a side (its case D),
+    /// where faces may be excluded (by the caller, not finite, in the light's plane), or where it is not in the depth
+    /// buffer. The method is not right from every camera, takes perspective cameras only, and needs what z-fail needs.
+    /// [`Self::Auto`] never chooses it.
     #[doc(hidden)]
     ZpPlus2005,
     /// Counts what fails the depth test, with light and dark caps (Everitt and Kilgard 2002). It needs an infinite far
     /// plane or `Features::DEPTH_CLIP_CONTROL`, and a depth pass that computes positions as the include does. With a
-    /// far plane, caps are drawn unclipped. Casting faces that the near plane cuts may then show specks of shadow.
+    /// far plane, volumes are drawn unclipped. Casting faces that the near plane cuts may then show specks of shadow.
     ZFail,
 }
 
@@ -308,7 +309,7 @@ impl ShadowCamera {
     pub(crate) fn light(&self, view: &ShadowView, light: Light) -> ShadowLight {
         let range = light.range;
         let given = light.to_array().map(f64::from);
-        // Multiplying a position by a w that is a power of two is exact, so the light's position is, too.
+        // Multiplying a position by a w that is a power of two is exact. Where w is none, the light's position is rounded.
         let mantissa = if given[3] == 0.0 { 1.0 } else { given[3].abs() / power_of_two_below(given[3]) };
         let given = given.map(|c| c / mantissa);
         let largest = given.iter().fold(0.0_f64, |largest, c| largest.max(c.abs()));

@@ -63,6 +63,7 @@ impl OutlineFormat {
     /// Colour formats that differ only in sRGB are taken, because a view does not tell its own format. wgpu reports them.
     ///
     /// # Errors
+    /// [`OutlineError::Colors`] if the pass has not exactly one colour attachment.
     /// [`OutlineError::OtherAttachments`] if the formats or samples of the attachments differ from those of this
     /// format. Nothing is begun then.
     pub fn begin_pass<'encoder>(
@@ -276,7 +277,8 @@ pub struct OutlinePipeline {
     of_scenes: Pair,
 }
 
-/// The pipelines of extractions, or those of scenes. Each is made when it is first drawn.
+/// The pipelines of extractions, or those of scenes. Each is made when it is first prepared, the silhouettes of extractions
+/// with [`OutlinePipeline::new`].
 #[derive(Debug)]
 struct Pair {
     stage: &'static Stage,
@@ -305,7 +307,7 @@ enum Source {
 struct Part {
     groups: [wgpu::BindGroup; 2],
     silhouettes: Option<Silhouettes>,
-    /// The pipeline of creases and marked edges, and the number of edge records.
+    /// The pipeline of creases and marked edges, and the number of edge records, or of edge slots in a scene.
     features: Option<(wgpu::RenderPipeline, u32)>,
 }
 

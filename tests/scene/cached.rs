@@ -205,20 +205,24 @@ fn boxes() -> Result<(), String> {
     ])
 }
 
-/// Masks of callers are copied for each frame, and nothing of their group is cached.
+/// Masks of callers are copied for each frame, and nothing of their group is cached. The same faces again keep the layout.
 fn excluded() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut scene = RandomScene::filled_rigid(gpu, 2901, roomy(8), [4, 5])?;
     let (caster, light) = (scene.content.casters[2].handle, scene.content.lights[1].0);
     read_frame(gpu, &mut scene)?;
     scene.scene.set_excluded(caster, light, &[0]).map_err(text)?;
-    let (_, first) = read_frame(gpu, &mut scene)?;
-    let (_, second) = read_frame(gpu, &mut scene)?;
+    let (frame, first) = read_frame(gpu, &mut scene)?;
+    scene.scene.set_excluded(caster, light, &[0]).map_err(text)?;
+    let (same_faces, second) = read_frame(gpu, &mut scene)?;
+    same("the layout is the same", &[same_faces.has_layout_of(&frame)], &[true])?;
     same("cached pairs", &[second.statistics.cached_pairs], &[0])?;
     let masks = |found: &Found| found.groups.iter().flat_map(|group| group.excluded.clone()).collect::<Vec<_>>();
     same("masks", &masks(&second), &masks(&first))?;
     scene.scene.set_excluded(caster, light, &[]).map_err(text)?;
-    checked(gpu, &mut scene)?;
+    let no_faces = checked(gpu, &mut scene)?.frame;
+    same("the layout is another", &[no_faces.has_layout_of(&frame)], &[false])?;
+    scene.scene.set_excluded(caster, light, &[]).map_err(text)?;
     let statistics = checked(gpu, &mut scene)?.found.statistics;
     same("pairs cached again", &[statistics.cached_pairs], &[statistics.pairs])
 }

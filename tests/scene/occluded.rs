@@ -20,6 +20,7 @@ use crate::found::Found;
 pub(crate) const TESTS: &[Test] = &[
     ("occluded_casters_are_culled_and_others_are_not", known),
     ("most_turns_of_reach", most_tried),
+    ("the_same_occluders_again_keep_the_layout", again),
     ("polygons_that_are_no_occluders_are_refused", refusals),
 ];
 
@@ -280,6 +281,20 @@ fn most_tried() -> Result<(), String> {
         same(&what, &[found.statistics.pairs_culled_by_occluders, (!relevant).count_ones()], &[expected; 2])?;
     }
     Ok(())
+}
+
+/// The same occluders keep the layout, and so what is cached. Others do not.
+fn again() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let bodies = [Body { mesh: 2, rows: IDENTITY }];
+    let mut stage = Stage::new(gpu, &bodies, &[Light::directional([0.0, 1.0, 0.0])], true)?;
+    let (first, _) = stage.encode(gpu)?;
+    let mut keeps = |polygons: &[&[[f32; 3]]]| -> Result<bool, String> {
+        stage.scene.set_occluders(stage.casters[0], polygons).map_err(text)?;
+        Ok(stage.encode(gpu)?.0.has_layout_of(&first))
+    };
+    let positions = sheet().positions;
+    same("the layout is the same", &[keeps(&[&positions])?, keeps(&[&positions[..3]])?], &[true, false])
 }
 
 fn refusals() -> Result<(), String> {

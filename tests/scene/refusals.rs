@@ -25,6 +25,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("meshes_lights_and_buffers_that_do_not_fit_are_typed_errors", misfits),
     ("what_does_not_fit_the_memory_is_a_typed_error", memory),
     ("what_fits_a_new_scene_fits_one_that_grew", grown),
+    ("meshes_fit_where_memory_is_short_of_a_larger_page", small_pages),
     ("removed_meshes_of_polygons_give_their_memory_back", given_back),
     ("a_removed_mesh_takes_memory_until_the_next_encode", held),
     ("a_removed_model_takes_memory_until_the_next_encode", held_positions),
@@ -224,6 +225,18 @@ fn grown() -> Result<(), String> {
     }
     println!("{most} bytes");
     if fits(most, 100, 200)? { Ok(()) } else { Err("a scene that grew does not fit".to_owned()) }
+}
+
+/// Two meshes fill a page. The second page would be four times as large, which the memory has no room for.
+fn small_pages() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let shape = shapes::torus(60, 60, 1.0, 0.4);
+    let mesh = Mesh::new(&shape.positions, &shape.faces, Weld::Position).map_err(text)?;
+    let mut scene = scene(gpu, Some(2_000_000))?;
+    for number in 0..4 {
+        scene.add_mesh(&mesh, &shape.positions).map_err(|error| format!("mesh {number}: {error}"))?;
+    }
+    refused([refusal("a third page", scene.add_mesh(&mesh, &shape.positions), beyond(2_000_000))])
 }
 
 /// Each mesh is larger than those before, so it does not fit where they were.

@@ -66,7 +66,7 @@ impl Sector {
 }
 
 /// A rectangle with all pixels that a light may affect, in an image of `size` pixels: x, y, width and height. `None`: there
-/// are none. It is the whole image for lights without a range, at infinity, or around the eye.
+/// are none. It is the whole image for lights at infinity, around the eye, or without a range, unless their cone misses it.
 pub(super) fn affected_pixels(camera: &ShadowCamera, light: &Light, size: [u32; 2]) -> Option<[u32; 4]> {
     let whole = Some([0, 0, size[0], size[1]]);
     let Some(sector) = Sector::new(camera, light) else { return whole };
@@ -80,7 +80,7 @@ pub(super) fn affected_pixels(camera: &ShadowCamera, light: &Light, size: [u32; 
         return whole;
     }
     let centre = centre.extend(1.0);
-    let [right, across] = [(x, size[0], 1.0), (y, size[1], -1.0)].map(|(row, pixels, sign)| {
+    let [columns, rows] = [(x, size[0], 1.0), (y, size[1], -1.0)].map(|(row, pixels, sign)| {
         let pixels = f64::from(pixels);
         let all = [0.0, pixels];
         let [low, high] =
@@ -89,12 +89,12 @@ pub(super) fn affected_pixels(camera: &ShadowCamera, light: &Light, size: [u32; 
         let [low, high] = [low.min(high).floor() - 1.0, low.max(high).ceil() + 1.0];
         [low, high].map(|end| end.clamp(0.0, pixels) as u32)
     });
-    let rectangle = [right[0], across[0], right[1] - right[0], across[1] - across[0]];
+    let rectangle = [columns[0], rows[0], columns[1] - columns[0], rows[1] - rows[0]];
     (rectangle[2] > 0 && rectangle[3] > 0).then_some(rectangle)
 }
 
 /// The least and the largest quotient of the distances of two planes over a sphere: a plane of their pencil then touches it.
-/// `None` if the sphere touches the plane `below`: quotients have no bounds.
+/// `None` if the sphere touches the plane `below` or is behind it: quotients have no bounds.
 fn extent(above: DVec4, below: DVec4, centre: DVec4, radius: f64) -> Option<[f64; 2]> {
     let square = radius * radius;
     let [a, b, c] = [(above, above), (above, below), (below, below)].map(|(p, q)| p.truncate().dot(q.truncate()));

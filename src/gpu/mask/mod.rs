@@ -7,11 +7,11 @@
 //!                                       └──── 0 again ──────────────┘
 //! ```
 //!
-//! One render pass records all but the last draw. `mask_bit` draws where the stencil is not 0, adds the bit of the light to
-//! a colour attachment, and sets the stencil back to 0. So lights share passes and clears, depth and stencil stay in the
-//! tiles of a tiled GPU, and no shader reads the stencil, which OpenGL cannot. The bits are integers of 8 bits in channels
-//! of `Unorm` textures, because integer formats do not blend. Each bit is added once, so nothing is rounded. A single light
-//! needs no sum: it is drawn into the target.
+//! For each 32 lights one render pass records all but the last draw. `mask_bit` draws where the stencil is not 0, adds
+//! the bit of the light to a colour attachment, and sets the stencil back to 0. So lights share passes and clears, depth
+//! and stencil stay in the tiles of a tiled GPU, and no shader reads the stencil, which OpenGL cannot. The bits are
+//! integers of 8 bits in channels of `Unorm` textures, because integer formats do not blend. Each bit is added once, so
+//! nothing is rounded. A single light needs no sum: with a depth of one sample it is drawn into the target.
 
 mod light_bounds;
 mod passes;

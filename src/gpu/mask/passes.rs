@@ -80,7 +80,7 @@ pub(super) fn draw_into<'e>(encoder: &'e mut wgpu::CommandEncoder, view: &wgpu::
     })
 }
 
-/// Begins the pass of a group of lights, with bits and stencil at 0. The first group clears the depth, and the last one
+/// Begins the pass of a batch of lights, with bits and stencil at 0. The first batch clears the depth, and the last one
 /// discards it.
 pub(super) fn begin<'e>(
     encoder: &'e mut wgpu::CommandEncoder,

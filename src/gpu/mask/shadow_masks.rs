@@ -21,9 +21,9 @@ const FEW: usize = 8;
 
 /// Pipelines, and a depth and stencil buffer that Rimline owns, for [`SceneFrame::write_masks`].
 ///
-/// The first call makes pipelines, and so does the first call with other formats or another depth direction. A change of the
-/// image size makes new textures, so use one value for each size. Textures take 5 to 13 bytes for each sample of each pixel.
-/// The target of the last call stays alive.
+/// The first call makes pipelines, and so does the first call with other formats, another depth direction, or 1, up to 8 or
+/// more lights. A change of the image size makes new textures, so use one value for each size. Textures take 5 to 13 bytes
+/// for each sample of each pixel. The target of the last call stays alive.
 #[derive(Debug)]
 pub struct ShadowMasks {
     /// Whether vertex shaders cut volumes at the frustum, see [`ShadowFormat::trim`](crate::gpu::ShadowFormat::trim).
@@ -48,7 +48,7 @@ struct Writing {
     is_sampled: bool,
 }
 
-/// The bits of a group of lights, and the pipeline that writes them into layers of the target.
+/// The bits of a batch of lights, and the pipeline that writes them into layers of the target.
 struct Bits {
     attachment: Attachment,
     pipeline: wgpu::RenderPipeline,
@@ -77,7 +77,8 @@ pub struct MaskInputs<'a> {
     pub depth: &'a wgpu::TextureView,
     /// The view of the frame, counted from 0.
     pub view: usize,
-    /// The lights, in the order of their bits.
+    /// The lights. The index in this list is the light's number `i` in the target, not its
+    /// [`bit`](LightHandle::bit) in the scene.
     pub lights: &'a [LightHandle],
     /// The masks: a texture with one sample, usage `RENDER_ATTACHMENT` and the size of the depth. The call writes level
     /// 0 of as many layers as the lights need:
@@ -269,8 +270,8 @@ impl SceneFrame {
     /// differ by one unit in the last place if the device rounds. [`Counting::ZFail`](crate::Counting::ZFail) compares caps
     /// with surfaces at the same depth, so with it casters with an open surface need `Depth32Float`.
     ///
-    /// The call records one pass for each 32 lights, and one for each layer of the target. One encoder may hold several
-    /// calls.
+    /// The call records one pass for each 32 lights, and, but for a single light without multisampling, one for each layer that
+    /// it writes. One encoder may hold several calls.
     ///
     /// # Errors
     /// [`ShadowError`] if the frame is out of date, an input is refused, the buffer of a caster was destroyed, or the device

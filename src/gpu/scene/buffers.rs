@@ -17,13 +17,13 @@ pub(crate) const LISTS_HEAD: u64 = 256;
 /// The buffers of a group of casters for a batch of lights.
 #[derive(Clone, Debug)]
 pub(crate) struct GroupBuffers<B = wgpu::Buffer> {
-    /// Facing masks, one `u32` a face slot.
+    /// Facing masks, one `u32` a face slot. For polygons, twisted masks follow.
     pub(crate) facing: B,
     /// Excluded masks, one `u32` a face slot.
     pub(crate) excluded: B,
     /// A `FacingRecord`: statistics, and the undecided faces.
     pub(crate) record: B,
-    /// For each light of the batch the number of its silhouette edges, then the lists.
+    /// For each light of the batch the number of its silhouette edges, then, from [`LISTS_HEAD`] on, the lists.
     pub(crate) lists: B,
     /// A [`DrawArguments`] for each light of the batch.
     pub(crate) draws: B,

@@ -25,9 +25,9 @@ pub struct Caster {
     pub positions: CasterPositions,
     /// The lights for which it throws shadows.
     pub lights: LightMask,
-    /// Whether the surface is in the depth buffer that shadows are drawn against. Set it to false for a proxy, a simpler
-    /// mesh instead of the drawn one. Then every face casts, and z-pass and ZP+ draw light caps, too, because the eye may
-    /// see through its faces. Receivers exactly in its faces may be lit or not.
+    /// Whether the surface is in the depth buffer that shadows are drawn against, an open surface from both sides. Set it
+    /// to false for a proxy, a simpler mesh instead of the drawn one. Then every face casts, and z-pass and ZP+ draw light
+    /// caps, too, because the eye may see through its faces. Receivers exactly in its faces may be lit or not.
     pub in_depth: bool,
 }
 
@@ -61,9 +61,9 @@ pub enum CasterPositions {
     /// and with z-fail a depth pass must compute the same bits (see [`Counting`](crate::Counting)).
     Rigid(Transform),
     /// Positions in the caller's buffer, in world space, for each source vertex of the mesh. Each encode reads them, unless
-    /// [`Scene::set_position_version`](crate::gpu::Scene::set_position_version) says that nothing changed. Casters with the
-    /// same buffer are drawn together, so keep many in one buffer. [`Scene::insert_model`](crate::gpu::Scene::insert_model)
-    /// is easier for a model with poses.
+    /// [`Scene::set_position_version`](crate::gpu::Scene::set_position_version) says that nothing changed. The draws of its
+    /// frame always read them again, so write no others before. Casters with the same buffer are drawn together, so keep
+    /// many in one buffer. [`Scene::insert_model`](crate::gpu::Scene::insert_model) is easier for a model with poses.
     Buffer {
         /// The buffer, with usage `STORAGE`. Each encode refuses one that was destroyed. A draw of an earlier frame does not
         /// check it, and wgpu then refuses the submission.
@@ -96,7 +96,7 @@ pub(crate) struct MeshEntry {
     /// The box of the faces whose corners are finite. Low is above high if there is none.
     pub(crate) low: [f32; 3],
     pub(crate) high: [f32; 3],
-    /// Whether another face has a vertex that is not finite.
+    /// Whether a face of three different vertices has one that is not finite.
     pub(crate) is_holed: bool,
     /// The faces of its slots. `None`: the order of the mesh, without clusters.
     pub(crate) order: Option<Arc<[u32]>>,
@@ -165,13 +165,13 @@ pub(crate) struct CasterEntry {
     /// For each light the slots of occluded faces, likewise.
     pub(crate) occluded: Vec<(LightHandle, Arc<[u32]>)>,
     pub(crate) placement: Placement,
-    /// Whether the table lacks its latest changes.
+    /// Whether `Scene::moved` has it: the table lacks a change that needs no new layout.
     pub(crate) is_moved: bool,
-    /// The first encode with the caster as it is.
+    /// The first encode with the caster as it is, in this layout.
     pub(crate) version: u32,
     /// The stated box of the positions in its buffer, in world space.
     pub(crate) bounds: Option<[[f32; 3]; 2]>,
-    /// The caller's version of the positions in its buffer. `None`: they may change in each encode.
+    /// The version of the positions in its buffer, of the caller or of the model. `None`: they may change in each encode.
     pub(crate) positions_version: Option<u64>,
     /// Whether it is an instance of a model.
     pub(crate) is_of_model: bool,
@@ -189,7 +189,7 @@ impl CasterEntry {
         self.excluded.iter().chain(&self.occluded)
     }
 
-    /// Whether a face is excluded for a light.
+    /// Whether a face is excluded for any light.
     pub(crate) fn is_excluding(&self) -> bool {
         self.all_excluded().next().is_some()
     }
@@ -213,7 +213,8 @@ impl CasterEntry {
         }
     }
 
-    /// Whether each encode computes its bits: its positions may have changed, or it has polygons.
+    /// Whether each encode computes its bits: its positions may have changed, or it has polygons. A group with excluded faces
+    /// caches nothing, either.
     pub(crate) fn is_uncached(&self) -> bool {
         self.mesh.polygons.is_some()
             || matches!(self.placement, Placement::World { .. }) && self.positions_version.is_none()

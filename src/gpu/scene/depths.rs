@@ -58,7 +58,7 @@ impl DepthCaster {
         let (rows, bounds) = match &caster.placement {
             Placement::Rigid(rigid) => {
                 rigid.space?;
-                // A face with a vertex that is not finite is in no box, and a box of degenerate faces alone is empty.
+                // A face with a vertex that is not finite is in no box. The box is empty if all faces are such.
                 let is_known = !mesh.is_holed && mesh.low[0] <= mesh.high[0];
                 (Some(rigid.rows), is_known.then_some([mesh.low, mesh.high]))
             }

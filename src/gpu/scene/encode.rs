@@ -29,7 +29,7 @@ use crate::layout::{ShadowLight, ShadowView, ViewLight};
 impl Scene {
     /// Records the extraction of all casters for all lights, and the shadow volumes of all views. One encoder may hold several
     /// encodes. Each sees the scene of its moment, and overwrites the results of the one before. An encoder may be dropped, or
-    /// submitted after a later one. Memory is kept for the most views of an encode so far.
+    /// submitted after a later one. Memory is kept for the most views, and the largest [`View::depth`], of an encode so far.
     ///
     /// # Errors
     /// [`ShadowError`] if a camera or its [`View::depth`] is refused, a buffer of a caster was destroyed,
@@ -187,7 +187,7 @@ impl Scene {
         all
     }
 
-    /// The light of a bit, or zeros, as a camera sees it.
+    /// A view, with the light of a bit as its camera sees it, or zeros for the light.
     pub(super) fn light_in_view(&self, camera: &ShadowCamera, view: ShadowView, bit: u32) -> ViewLight {
         let light = self.content.lights.get(bit).map_or_else(ShadowLight::zeroed, |light| camera.light(&view, light));
         ViewLight { view, light, ..ViewLight::zeroed() }
@@ -228,7 +228,7 @@ impl Scene {
         }
     }
 
-    /// Updates the table, the structure if casters or lights were added or removed, and the volumes if there are views.
+    /// Updates the table, or makes a new layout if the structure is `None`, and the volumes if there are views.
     fn prepare_in_room(&mut self, views: usize) -> Result<(Arc<Structure>, Option<Arc<Volumes>>), ShadowError> {
         self.update_occluded_faces();
         let structure = match self.structure.clone() {

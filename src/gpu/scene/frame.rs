@@ -18,7 +18,8 @@ use crate::layout::{SceneDispatch, ShadowShape};
 use crate::{Light, ShadowCamera};
 
 /// The result of one [`Scene::encode`](crate::gpu::Scene::encode): the casters and lights of that moment. A later
-/// encode of the same scene overwrites the results. This value is then refused with [`ShadowError::StaleFrame`].
+/// encode of the same scene overwrites the results, or a [`deform`](crate::gpu::Scene::deform) of its models. Draws and masks
+/// of this value are then refused with [`ShadowError::StaleFrame`]; its buffers of statistics are not.
 ///
 /// A clone is cheap. It keeps the scene's buffers alive.
 #[derive(Clone, Debug)]
@@ -57,12 +58,12 @@ pub struct SceneGroupResults<'a> {
     /// Bit `bit` of a mask is light `32 · batch + bit`.
     pub batch: usize,
     /// Facing masks, one `u32` a face slot ([`SceneFrame::slot_order`]). Bits of lights that are not relevant to the caster
-    /// have no meaning.
+    /// have no meaning. For polygons, twisted masks follow.
     pub facing: &'a wgpu::Buffer,
-    /// One `u32` a face slot: the lights in the plane of the face.
+    /// One `u32` a face slot: the lights in the plane of the face, and those for which it is excluded.
     pub excluded: &'a wgpu::Buffer,
-    /// The number of silhouette edges of each of 32 lights, then [`Self::capacity`] entries for each light. An entry is
-    /// an edge slot, with the winding bit as bit 31.
+    /// The number of silhouette edges of each of 32 lights, then, from byte 256 on, [`Self::capacity`] entries for each
+    /// light. An entry is an edge slot, with the winding bit as bit 31.
     pub lists: &'a wgpu::Buffer,
     /// Entries that the list of each light has room for.
     pub capacity: u32,
@@ -129,21 +130,22 @@ impl SceneFrame {
     }
 
     /// The number of groups of casters. A group has one page of topology and one source of positions. Casters of more
-    /// slots than a binding holds are several groups.
+    /// slots than a binding holds are several groups, and each caster of polygons is one.
     pub fn groups(&self) -> usize {
         self.structure.layout.groups.len()
     }
 
     /// Draws the shadow volumes of all casters for a light and a view, into a pass with the attachments of `pipelines`.
     /// `view` is the index of a camera of the encode. The draw adds to the bits of the stencil that hold counts, which must
-    /// be 0 if casters are counted in batches. Other bits do not change. Other state of the pass does not matter. The call
-    /// changes the pipeline and bind groups 0 and 1, and sets the stencil reference to 0, for pipelines that add light.
+    /// be 0 if casters are counted in batches. Other bits do not change. The viewport must be that of the depth pass. Other
+    /// state of the pass does not matter. The call changes the pipeline and bind groups 0 and 1, and sets the stencil
+    /// reference to 0, for pipelines that add light.
     ///
     /// Use one pass a light. The pass loads the depths of the depth pass and clears the stencil to 0. After this draw, the
     /// same pass adds the light where the stencil is still 0, with a pipeline of
     /// [`ShadowFormat::light_pass_depth_stencil`](crate::gpu::ShadowFormat::light_pass_depth_stencil).
-    /// [`ShadowFormat::begin_pass`](crate::gpu::ShadowFormat::begin_pass) begins such a pass. A light with a range
-    /// must add nothing beyond it.
+    /// [`ShadowFormat::begin_pass`](crate::gpu::ShadowFormat::begin_pass) begins such a pass. Add nothing outside of
+    /// the light's range and cone, and nothing to the sides of surfaces that are turned away from it.
     ///
     /// # Errors
     /// [`ShadowError`] if the pipelines do not match the scene, the frame has no such view or light, or a later encode

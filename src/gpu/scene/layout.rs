@@ -39,7 +39,7 @@ pub(crate) struct Group {
     /// Offsets in the table of the casters of its chunks.
     pub(crate) face_chunks_offset: usize,
     pub(crate) edge_chunks_offset: usize,
-    /// Whether the caller excludes faces of a caster.
+    /// Whether faces of a caster are excluded, by the caller or as occluded ones.
     pub(crate) excludes: bool,
     /// The polygons of its only caster.
     pub(crate) polygons: Option<PolygonCounts>,
@@ -55,7 +55,7 @@ pub(crate) struct CasterSlots {
     pub(crate) order: Option<Arc<[u32]>>,
 }
 
-/// The part of a scene that changes only if casters or lights are added or removed.
+/// The part of a scene that casters which only move, and lights which only change, leave as it is.
 #[derive(Debug, Default)]
 pub(crate) struct Layout {
     pub(crate) groups: Vec<Group>,

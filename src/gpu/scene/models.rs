@@ -77,12 +77,14 @@ impl Scene {
         }
     }
 
-    /// Changes the pose of a model. Results stay cached for instances whose part of the pose is the same. If an instance
-    /// becomes mirrored or stops being so, its faces change, and the next encode makes a new layout.
+    /// Changes the pose of a model. Results stay cached for instances whose part of the pose is the same, unless a displacement
+    /// has resources or another time. If an instance becomes mirrored or stops being so, its faces change, and the next encode
+    /// makes a new layout.
     ///
     /// # Errors
     /// [`ShadowError::Deform`] if the pose does not fit the model or the displacement's resources are missing or refused,
-    /// or an error of the handle. The pose does not change then.
+    /// an error of the handle, or, where an instance's faces change, an error of [`Self::add_mesh`]. The pose does not change
+    /// then.
     pub fn set_pose<'a>(&mut self, model: ModelHandle, pose: impl Into<PoseInputs<'a>>) -> Result<(), ShadowError> {
         self.pose_model(model.key_in(self.id)?, pose.into())
     }

@@ -36,8 +36,8 @@ pub(super) struct Needs {
 impl Scene {
     /// Computes the positions of all models before [`Self::encode`]. Only programs that draw a depth for [`View::depth`]
     /// need it. The encode does not compute the positions again if it has the same views and nothing in the scene changed.
-    /// Record both into one encoder, or submit this one before. Without it the encode reads the positions of an earlier
-    /// frame, and the next encode computes all again. Depths of `inputs` are ignored. Frames of earlier encodes become
+    /// Record both into one encoder, or submit this one before. Else the encode reads the positions of an earlier frame, and
+    /// the next encode computes all again. Depths of `inputs` are ignored. Frames of earlier encodes become
     /// stale.
     ///
     /// # Errors

@@ -15,7 +15,8 @@ use crate::gpu::shadow::errors::ShadowError;
 pub struct OccludedCounts {
     /// Culled faces, summed over lights.
     pub faces: usize,
-    /// Lights whose occluded faces the scene ignored, because the light, a caster or its light mask had changed.
+    /// Lights whose occluded faces the scene ignored, because a condition of
+    /// [`Scene::set_occluded_faces`](crate::gpu::Scene::set_occluded_faces) failed.
     pub ignored: usize,
     /// The occluded faces of these lights, which cast.
     pub ignored_faces: usize,
@@ -35,7 +36,8 @@ impl Scene {
     ///
     /// If a condition fails, the encode ignores the light's occluded faces, and
     /// [`SceneFrame::occluded_faces`](crate::gpu::SceneFrame::occluded_faces) counts them. A later encode uses them
-    /// again once all conditions hold. Each such change makes a new layout.
+    /// again once all conditions hold. Each such change makes a new layout. While faces are culled, nothing is cached for
+    /// the [groups](crate::gpu::SceneFrame::groups) of their casters.
     ///
     /// The caller must make sure that the positions are those that were searched: for a rigid caster those of its mesh.
     ///

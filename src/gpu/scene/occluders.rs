@@ -132,7 +132,7 @@ fn area(corners: &[[f32; 3]], placement: &Placement) -> f64 {
 }
 
 /// Whether a light sees the polygon counter-clockwise in world space. `None`: the polygon culls nothing for this light,
-/// because it is not convex as seen from the light, or is front-facing on a closed caster.
+/// because it is not convex as seen from the light, is front-facing on a closed caster, or rounding leaves that open.
 fn culling_side(corners: &[[f32; 3]], light: [f32; 4], is_mirrored: bool, is_closed: bool) -> Option<bool> {
     let DVec4 { x, y, z, w } = DVec4::from_array(light.map(f64::from));
     if w < 0.0 || light == [0.0; 4] {

@@ -14,16 +14,18 @@ pub struct SceneOptions {
     pub stencil: StencilCounts,
     /// Room for the entries of lists. Default: from the meshes.
     pub capacities: Capacities,
-    /// Whether volumes end beyond their light's range instead of at infinity. Set it if ranges are short against the view:
-    /// fewer pixels are counted. Default: false. See docs/numerics/shadow-volumes.md, "Volumes that end".
+    /// Whether volumes, but those that ZP+ counts, end beyond their light's range instead of at infinity. Set it if ranges are
+    /// short against the view: fewer pixels are counted. Default: false. See docs/numerics/shadow-volumes.md, "Volumes that
+    /// end".
     pub end_at_range: bool,
-    /// Meshes with at least this many faces get clusters of 128 neighbouring faces. Default: 4,096; `None`: never. A
-    /// rigid caster decides a cluster as a whole if all its faces have one side to a light, so a smooth mesh tests
+    /// Meshes of triangles with at least this many faces get clusters of 128 neighbouring faces. Default: 4,096; `None`:
+    /// never. A rigid caster decides a cluster as a whole if all its faces have one side to a light, so a smooth mesh tests
     /// about the root of its faces. Adding such a mesh takes another 1.5 times as long as
     /// [`Mesh::new`](crate::Mesh::new), less than a byte a face of device memory, and 4 bytes a face of host memory.
     pub clusters_from: Option<u32>,
-    /// The largest device memory for the scene, in bytes, checked before each allocation. Removed meshes and models count
-    /// until the next encode. Default: `None`, no limit.
+    /// The largest device memory for the scene, in bytes, checked before each allocation. Removed meshes of polygons, and the
+    /// positions of removed models, count until the next encode. The room of other removed meshes always counts, and later
+    /// meshes take it. Default: `None`, no limit.
     pub memory_limit: Option<u64>,
     /// Work that no picture needs, for measuring.
     #[doc(hidden)]
@@ -42,10 +44,10 @@ pub struct Capacities {
     /// share of the others.
     pub lists: Option<u32>,
     /// Entries of the list of undecided faces, in each group of casters and batch of 32 lights. `None`: a quarter of the
-    /// faces, and at least 4,096.
+    /// faces, and at least 4,096 or all. Casters of polygons ignore it.
     pub undecided: Option<u32>,
-    /// Entries of the list of near caps, and of that of other caps, of each light, in each group of casters. `None`: every
-    /// face if every face may have a cap, else a share.
+    /// Entries of the list of near caps, and of that of other caps, of each light, in each group of casters and view. `None`:
+    /// every face if every face may have a cap, else a share, and fewer where memory is short.
     pub caps: Option<u32>,
     /// Pieces of twisted polygons of each light, in each caster of polygons: never more than there can be, or than fit
     /// one binding. Default: `None`, the lights of a batch share 1,048,576, and each has one more for each sixteenth
@@ -67,13 +69,13 @@ pub struct StencilCounts {
     pub count_bits: u32,
     /// The number of batches in which casters are counted, one after the other, for
     /// [`ShadowPipelines::in_batches`](crate::gpu::ShadowPipelines::in_batches). Default: 1; 0 means 1. A count wraps,
-    /// and a shadow looks lit, if more than 2 to the power of b, less 1, casting faces lie behind each other, with b
+    /// and a shadow may look lit, if more than 2 to the power of b, less 1, casting faces lie behind each other, with b
     /// [`Self::count_bits`]; with several batches, more than 2 to the power of b − 1, less 1, of one batch.
     /// Each batch takes a draw of all lists and each but the first a full-screen draw.
     pub count_batches: u32,
-    /// Whether to compute an upper bound of the stencil counts of all casters together, for
+    /// Whether to compute an upper bound of the stencil counts of all casters of a batch together, for
     /// [`ShadowStatistics::count_bound`](crate::gpu::ShadowStatistics::count_bound) and
-    /// [`ShadowStatistics::may_wrap`](crate::gpu::ShadowStatistics::may_wrap). It takes three stages, and 4 KiB for
+    /// [`ShadowStatistics::may_wrap`](crate::gpu::ShadowStatistics::may_wrap). It takes three or four stages, and 4 KiB for
     /// each view, light and batch of casters. Default: false.
     pub bound_counts: bool,
 }
@@ -107,7 +109,7 @@ impl Measuring {
     /// Deforming casters that the frame does not need.
     pub const CULLED_CASTERS: Self = Self(1 << 7);
 
-    /// Everything that is culled or cached without a call of the caller.
+    /// Everything that is culled or cached without a call of the caller, but for [`Self::CULLED_CASTERS`].
     pub const CULL_NOTHING: Self = Self(
         Self::CULLED_BY_RANGE.0
             | Self::CULLED_BY_VIEW.0

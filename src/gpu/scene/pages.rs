@@ -13,8 +13,11 @@ use crate::gpu::common::wanted::Wanted;
 
 /// The kinds of elements in a page: faces, edge records, vertices, and words of clusters.
 const KINDS: usize = 4;
-/// Elements of each kind in the first page. Page k has 4^k times as many, so few pages hold any scene.
+/// Elements of each kind in the first page. Page k has 4^k times as many, so few pages hold any scene. Where memory is short,
+/// it is as large as an earlier one.
 const FIRST: [u64; KINDS] = [1 << 14, 3 << 13, 1 << 14, 1 << 13];
+/// Pages from this one on have the same size.
+const LARGEST: usize = 10;
 /// Bytes of a face, an edge record in one of its two buffers, a vertex, and a word.
 const BYTES: [u64; KINDS] = [12, 8, 12, 4];
 const WHAT: [&str; KINDS] = ["faces", "edge records", "rest positions", "clusters"];
@@ -82,6 +85,25 @@ impl PageBuffers {
 }
 
 impl Page {
+    /// A page for this many elements of each kind.
+    fn new(
+        device: &wgpu::Device,
+        sizes: [u64; KINDS],
+        is_of_one: bool,
+        used: u64,
+        memory_limit: Option<u64>,
+        limits: &DispatchLimits,
+    ) -> Result<Self, DeviceError> {
+        let mut all = Vec::new();
+        PageBuffers::plan(sizes, |Wanted { label, bytes, .. }| all.push(Allocation { label, bytes }));
+        let bytes = check(&all, limits.buffer, None)?;
+        all.push(Allocation { label: "the rest of the scene", bytes: used });
+        check(&all, u64::MAX, memory_limit)?;
+        let buffers = guarded(device, bytes + used, || PageBuffers::plan(sizes, |wanted| wanted.make(device)))?;
+        let free = sizes.map(|items| RangeAllocator::new(0..items as u32));
+        Ok(Self { buffers, is_of_one, bytes, free })
+    }
+
     /// Ranges of `items` elements of each kind, if there is room for all.
     fn allocate(&mut self, items: [u64; KINDS]) -> Option<[Range<u32>; KINDS]> {
         let mut ranges = [const { 0..0 }; KINDS];
@@ -123,19 +145,23 @@ impl Pages {
         }
         let limits = DispatchLimits::new(&device.limits());
         let shared = self.all.values().filter(|page| !page.is_of_one).count();
-        let sizes = page_sizes(shared, items, limits.binding)?;
-        let sizes = if is_alone { items } else { sizes };
-        let mut all = Vec::new();
-        PageBuffers::plan(sizes, |Wanted { label, bytes, .. }| all.push(Allocation { label, bytes }));
-        let bytes = check(&all, limits.buffer, None)?;
-        all.push(Allocation { label: "the rest of the scene", bytes: used });
-        check(&all, u64::MAX, memory_limit)?;
-        let buffers = guarded(device, bytes + used, || PageBuffers::plan(sizes, |wanted| wanted.make(device)))?;
-        let free = sizes.map(|items| RangeAllocator::new(0..items as u32));
-        let mut made = Page { buffers, is_of_one: is_alone, bytes, free };
+        let make = |page: usize| {
+            let sizes = page_sizes(page, items, limits.binding)?;
+            Page::new(device, if is_alone { items } else { sizes }, is_alone, used, memory_limit, &limits)
+        };
+        let largest = if is_alone { 0 } else { shared.min(LARGEST) };
+        let mut made = make(largest);
+        for smaller in (0..largest).rev() {
+            let is_short = matches!(made, Err(DeviceError::MemoryLimit { .. } | DeviceError::OutOfMemory { .. }));
+            if !is_short {
+                break;
+            }
+            made = make(smaller);
+        }
+        let mut made = made?;
         // A page is at least as large as the mesh.
         let ranges = made.allocate(items).unwrap_or([const { 0..0 }; KINDS]);
-        self.bytes += bytes;
+        self.bytes += made.bytes;
         Ok(Region { page: self.all.insert(made), ranges })
     }
 
@@ -171,8 +197,8 @@ impl Pages {
         }
     }
 
-    /// Makes regions available that were freed before the last encode but this one. Each encode calls it. The queue would
-    /// otherwise write them before frames that are recorded but not yet submitted.
+    /// Makes regions available that were freed before the encode before this one. Each encode calls it at its end. The queue
+    /// would otherwise write them before frames that are recorded but not yet submitted.
     pub(crate) fn reclaim(&mut self) {
         let [since_last, before] = &mut self.freed;
         for region in std::mem::replace(before, std::mem::take(since_last)) {
@@ -190,7 +216,7 @@ fn bytes_of(items: [u64; KINDS]) -> [u64; KINDS] {
 
 /// The elements of each kind in a new page: at least those of the mesh.
 fn page_sizes(page: usize, items: [u64; KINDS], binding: u64) -> Result<[u64; KINDS], DeviceError> {
-    let grown = 4_u64.pow(page.min(10) as u32);
+    let grown = 4_u64.pow(page.min(LARGEST) as u32);
     let mut sizes = [0; KINDS];
     for (kind, size) in sizes.iter_mut().enumerate() {
         let most = binding / BYTES[kind];

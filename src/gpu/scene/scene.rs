@@ -27,9 +27,9 @@ use crate::gpu::shadow::format::Casters;
 use crate::gpu::shadow::pipelines::check_count_bits;
 use crate::{Light, Mesh, Transform};
 
-/// Many casters and lights, whose silhouettes are extracted together. Casters share the stored mesh. The work of recording
-/// an encode does not depend on the number of casters, except for casters that moved, casters of polygons, which have their
-/// own passes, and the poses of models.
+/// Many casters and lights, whose silhouettes are extracted together. Casters share the stored mesh. The commands of an
+/// encode do not grow with the number of casters, but with that of position buffers, models and casters of polygons. It
+/// uploads a table of all casters and their lights, of which only what moved is computed again.
 ///
 /// Once: add meshes, lights and casters. Each frame: change what moved, call [`Scene::encode`], draw the depths of what is
 /// seen, and for each light draw its shadows by [`SceneFrame::draw`](crate::gpu::SceneFrame::draw) and add its light.
@@ -44,15 +44,15 @@ pub struct Scene {
     pub(super) options: SceneOptions,
     pub(super) content: Content,
     pub(super) table: Table,
-    /// Casters that changed since the table was written. Some may have been removed.
+    /// Casters that changed since the table was written, without need of a new layout. Some may have been removed.
     pub(super) moved: Vec<DefaultKey>,
-    /// `None`: casters or lights were added or removed.
+    /// `None`: the next encode makes a new layout, see [`Structure`].
     pub(super) structure: Option<Arc<Structure>>,
-    /// The structure before. Its buffers are reused if they are large enough.
+    /// The structure that was made last, current or not. The next one reuses its buffers that are large enough.
     pub(super) last: Option<Arc<Structure>>,
-    /// The positions of removed models that it binds.
+    /// The positions of removed models that `last` binds.
     pub(super) removed: Vec<wgpu::Buffer>,
-    /// The steps of the structure.
+    /// The steps of `last`.
     pub(super) steps: Vec<Step>,
     /// Shadow volumes of the structure, if any view was asked for.
     pub(super) volumes: Option<Arc<Volumes>>,
@@ -68,6 +68,7 @@ pub struct Scene {
     pub(super) occluded: Vec<OccludedFacesOfLight>,
     /// Structures so far.
     pub(super) structures: u32,
+    /// Encodes so far, and calls of [`Self::deform`] that recorded.
     pub(super) encodes: Arc<AtomicU64>,
 }
 
@@ -199,8 +200,9 @@ impl Scene {
         }
     }
 
-    /// Removes a mesh that no caster has. From the second encode after this on, a new mesh may overwrite it in the buffers.
-    /// So submit or drop encoders that hold earlier encodes before you add a mesh then.
+    /// Removes a mesh that no caster has. Its memory is not freed, unless it has polygons: after the second encode from now, a
+    /// new mesh may overwrite it in the buffers. So submit or drop encoders that hold earlier encodes before you add a mesh
+    /// then.
     ///
     /// # Errors
     /// [`ShadowError::MeshInUse`], or an error of the handle.
@@ -311,8 +313,9 @@ impl Scene {
     }
 
     /// States a box, its lowest and its highest corner in world space, that holds all positions of a caster's buffer from
-    /// the next encode on. A light whose range or cone misses the box then costs nothing for the caster. Default, also after
-    /// [`Self::set_positions`]: `None`, the positions may be anywhere.
+    /// the next encode on. A light whose range or cone misses the box, or that [occluders](Self::set_occluders) hide the box
+    /// from, then costs nothing for the caster. Default, also after [`Self::set_positions`]: `None`, the positions may be
+    /// anywhere.
     ///
     /// Finite positions outside the box may lack shadows. The box of a model at rest does not hold for a pose:
     /// [`ModelBounds`](crate::ModelBounds) computes boxes of poses. [`Self::set_pose`] states the boxes of instances.
@@ -359,8 +362,8 @@ impl Scene {
         }
     }
 
-    /// Gives a caster other positions, for example of another buffer. It keeps its handle. Moving a rigid caster by
-    /// [`Self::set_transform`] is cheaper.
+    /// Gives a caster other positions, for example of another buffer. It keeps its handle. Positions in a buffer end its
+    /// [occluders](Self::set_occluders). Moving a rigid caster by [`Self::set_transform`] is cheaper.
     ///
     /// # Errors
     /// An error of the position buffer or of the handle, or [`ShadowError::OfModel`].
@@ -393,11 +396,13 @@ impl Scene {
         Ok(())
     }
 
-    /// Excludes faces of a caster for a light, as if the caster had no such faces. `faces` are indices of faces in the mesh,
-    /// and replace those of an earlier call. An empty list excludes none. An edge between an excluded face and another then
-    /// bounds the volume, once.
+    /// Excludes faces of a caster for a light: they cast nothing. `faces` are indices of faces in the mesh, and replace those
+    /// of an earlier call. An empty list excludes none. An edge between an excluded face and another then bounds the volume,
+    /// once.
     ///
-    /// Use it for faces whose shadow lies in the shadow of others. Removing the light ends it.
+    /// Use it for faces whose shadow lies in the shadow of others that cast. Often only the back-facing faces of a closed mesh
+    /// cast, so front-facing ones do not stand in for them. Nothing is cached for casters of the same
+    /// [group](crate::gpu::SceneFrame::groups) then. Removing the light ends it.
     ///
     /// # Errors
     /// [`ShadowError::NoSuchFace`], [`ShadowError::Polygons`], or an error of a handle.
@@ -412,9 +417,15 @@ impl Scene {
         if entry.mesh.polygons.is_some() && !faces.is_empty() {
             return Err(ShadowError::Polygons);
         }
+        let slots = entry.mesh.slots(faces);
+        let before = entry.excluded.iter().find(|(of, _)| *of == light);
+        if before.map_or(slots.is_empty(), |(_, before)| *before == slots) {
+            // A new layout would discard all that is cached.
+            return Ok(());
+        }
         entry.excluded.retain(|(of, _)| *of != light && self.content.lights.check(*of).is_ok());
-        if !faces.is_empty() {
-            entry.excluded.push((light, entry.mesh.slots(faces)));
+        if !slots.is_empty() {
+            entry.excluded.push((light, slots));
         }
         self.structure = None;
         Ok(())
@@ -423,11 +434,13 @@ impl Scene {
     /// States occluders: polygons in mesh space that **lie wholly on faces of a rigid caster**, for example a face or a
     /// wall. They have 3 to 8 corners, counter-clockwise as those of the faces, and replace those of an earlier call.
     ///
-    /// A caster whose box is wholly behind an occluder, as seen from a light, throws no shadow for this light, because its
-    /// shadow lies in that of the occluder. An occluder culls nothing for a light that its caster does not throw shadows
-    /// for, from which it does not look convex, or that is near its plane. On a closed mesh only back-facing occluders cull,
-    /// so give polygons on all sides. A caster with excluded faces culls nothing. Each encode tests each occluder for each
-    /// caster and light, up to 128 in the scene. If there are more, those of the smallest areas cull nothing.
+    /// A caster whose box, if it is known (rigid casters, instances of models, [`Self::set_bounds`]), is wholly behind an
+    /// occluder, as seen from a light, throws no shadow for this light, because its shadow lies in that of the occluder.
+    ///
+    /// An occluder culls nothing for a light that its caster does not throw shadows for, from which it does not look convex, or
+    /// that is near its plane. On a closed mesh only back-facing occluders cull, so give polygons on all sides. A caster with
+    /// excluded faces culls nothing. Each encode tests each occluder for each caster and light, up to 128 in the scene. If
+    /// there are more, those of the smallest areas cull nothing.
     ///
     /// # Errors
     /// [`ShadowError::NotRigid`], [`ShadowError::OccluderCorners`], [`ShadowError::OccluderOutside`], or an error of
@@ -440,8 +453,11 @@ impl Scene {
         for (number, polygon) in polygons.iter().enumerate() {
             occluders::check(number, polygon, &entry.mesh)?;
         }
-        entry.occluders = polygons.iter().map(|&polygon| polygon.into()).collect();
-        self.structure = None;
+        let occluders: Vec<Arc<[[f32; 3]]>> = polygons.iter().map(|&polygon| polygon.into()).collect();
+        if entry.occluders != occluders {
+            entry.occluders = occluders;
+            self.structure = None;
+        }
         Ok(())
     }
 

@@ -1,4 +1,5 @@
-//! The layout, the buffers and the uniforms of a scene. Only adding or removing casters or lights makes new ones.
+//! The layout, the buffers and the uniforms of a scene. New ones are made if casters or lights are added or removed, if
+//! light masks, excluded faces, occluders, meshes or position buffers of casters change, or if capacities or the most views do.
 
 use std::collections::HashSet;
 
@@ -41,7 +42,8 @@ pub(crate) struct GroupBatch {
 /// Vertices that draw one silhouette edge, as a strip.
 const VERTICES_PER_EDGE: u32 = 4;
 
-/// A layout of a scene, with its buffers. Frames hold it, so a frame that is submitted late still has its own buffers.
+/// A layout of a scene, with its buffers. Frames hold it, so a frame that is submitted late still has its buffers. A newer
+/// structure may share them.
 #[derive(Debug)]
 pub(crate) struct Structure {
     pub(crate) layout: Layout,
@@ -145,7 +147,7 @@ impl Structure {
         pipelines.check_all_bindable(&self.position_buffers)
     }
 
-    /// The size of all buffers in bytes.
+    /// The size of all buffers in bytes, but for uniforms.
     pub(crate) fn bytes(&self) -> u64 {
         let exclusions: u64 =
             self.parts.iter().filter_map(|part| part.exclusions.as_ref()).map(wgpu::Buffer::size).sum();

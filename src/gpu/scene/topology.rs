@@ -32,7 +32,7 @@ impl<'a> Topology<'a> {
         }
     }
 
-    /// A mesh in clusters, by its positions.
+    /// A mesh of triangles in clusters, by its positions.
     pub(crate) fn in_clusters(mesh: &Mesh, positions: &[[f32; 3]]) -> Self {
         let clusters = Clusters::new(mesh, positions, Threads::all());
         let Arranged { faces, edge_vertices, edge_faces, words } = Arranged::new(mesh, &clusters, Threads::all());

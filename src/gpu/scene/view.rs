@@ -32,7 +32,7 @@ pub struct View<'a> {
     /// if [`Receivers::version`] says that the depth is the same. Default: `None`.
     pub depth: Option<Receivers<'a>>,
     /// The lights whose shadows are drawn in this view. Volumes are prepared for no others, and
-    /// [`SceneFrame::draw`](crate::gpu::SceneFrame::draw) refuses these. [Leave out](LightMask::without) a light of the
+    /// [`SceneFrame::draw`](crate::gpu::SceneFrame::draw) refuses others. [Leave out](LightMask::without) a light of the
     /// scene that is the eye of outlines. Default: all.
     pub lights: LightMask,
 }

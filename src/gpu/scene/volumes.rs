@@ -62,8 +62,8 @@ fn sizes(inputs: &Inputs<'_>, structure: &Structure, limits: &DispatchLimits) ->
             piece_capacity: part.sizes.polygons.map_or(0, |polygons| polygons.pieces),
             ..ShadowShape::zeroed()
         };
-        let edges_and_faces = [group.counts.boundary as u32, CHUNK * group.proxy_chunks];
-        Some(PartSizes::new(inputs.options, shape, part.sizes.lights, edges_and_faces, limits))
+        let boundaries_and_proxies = [group.counts.boundary as u32, CHUNK * group.proxy_chunks];
+        Some(PartSizes::new(inputs.options, shape, part.sizes.lights, boundaries_and_proxies, limits))
     };
     VolumeSizes {
         options: *inputs.options,

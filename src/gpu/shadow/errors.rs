@@ -88,7 +88,7 @@ pub enum ShadowError {
          of y of a camera that mirrors by mistake, or set `ShadowFormat::front_face`"
     )]
     OtherFrontFace { volumes: wgpu::FrontFace, pipelines: wgpu::FrontFace },
-    /// The pipelines clip at the far plane, and those that the volumes were made with do not.
+    /// The camera has a far plane, at which pipelines of z-fail must not clip, and these do.
     #[error(
         "volumes made for z-fail with a far plane drawn with pipelines for none; set `ShadowFormat::has_far_plane`"
     )]
@@ -115,7 +115,7 @@ pub enum ShadowError {
     /// A handle belongs to another scene.
     #[error("the handle of a {what} is of another scene; use it with the scene that returned it")]
     OtherScene { what: &'static str },
-    /// The mesh, caster or light of a handle was removed.
+    /// The mesh, caster, light or model of a handle was removed.
     #[error("the {what} of this handle was removed from the scene; use the handle that the last insertion returned")]
     Removed { what: &'static str },
     /// A mesh cannot be removed while casters use it.
@@ -141,7 +141,7 @@ pub enum ShadowError {
          the instance cast for no light by `Scene::set_lights`"
     )]
     OfModel,
-    /// A transform was given for a caster whose positions lie in a buffer in world space.
+    /// A transform or occluders were given for a caster whose positions lie in a buffer in world space.
     #[error(
         "the caster has positions in a buffer, in world space, and no transform; give it `CasterPositions::Rigid` by \
          `Scene::set_positions`"
@@ -191,7 +191,7 @@ pub enum ShadowError {
     /// The view leaves out the light.
     #[error("view {view} was encoded without the shadows of this light; add the light to `View::lights`")]
     NotInView { view: usize },
-    /// A later encode overwrote the results of the frame.
+    /// A later encode, or a deformation of the scene's models, overwrote the results of the frame.
     #[error(
         "this frame is out of date: its scene was encoded again, which overwrites the results; use the value that the \
          last encode returned"

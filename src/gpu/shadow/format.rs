@@ -97,8 +97,9 @@ impl ShadowFormat {
     }
 
     /// The depth-stencil state of a pipeline that adds a light, for the pass in which that light's volumes were drawn. It
-    /// draws the surfaces that the depth pass left, and lights them where no volume was counted: where the stencil is 0,
-    /// which is the reference that passes begin with. It writes neither depth nor stencil.
+    /// draws the surfaces that the depth pass left, and lights them where no volume was counted: where all eight bits of the
+    /// stencil are 0, which is the reference that passes begin with. If you use bits above [`Self::count_bits`] for something
+    /// else, leave them out of its `stencil.read_mask`. It writes neither depth nor stencil.
     ///
     /// The light pass must compute the same depths as the depth pass, bit for bit (`@invariant`). For a light pass that
     /// draws no surfaces take [`Self::full_screen_depth_stencil`].

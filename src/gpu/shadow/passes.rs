@@ -31,6 +31,7 @@ impl ShadowFormat {
     /// Colour formats that differ only in sRGB are taken, because a view does not tell its own format. wgpu reports them.
     ///
     /// # Errors
+    /// [`ShadowError::NoDepthStencil`] if the pass has no depth-stencil attachment.
     /// [`ShadowError::OtherAttachments`] if the formats or samples of the attachments differ from those of this format.
     /// [`ShadowError::StencilNotCleared`] if the pass does not clear the stencil to 0.
     /// [`ShadowError::DepthCleared`] if it clears the depth, which volumes are compared with. Nothing is begun then.

@@ -36,7 +36,7 @@ pub(crate) fn choice_bytes(
 pub(crate) struct PartSizes {
     /// [`VolumeSizes::shape`] adds what all parts have in common.
     pub(crate) shape: ShadowShape,
-    /// Lights of the batch.
+    /// Bits of the batch up to the last light.
     pub(crate) lights: u32,
 }
 
@@ -45,9 +45,9 @@ impl PartSizes {
     /// sides are drawn once. `proxies` are the slots of faces of casters that are not in the depth buffer.
     ///
     /// Sides have room for those of all listed silhouettes, as far as one binding has: two an edge where every face casts,
-    /// but one for a boundary. Capacities of caps are those of the options. By default near caps have room for [`FEW_CAPS`] and
-    /// sixteen times the square root of the faces, other caps for all faces that may have one; both shrink in proportion if
-    /// they do not fit one binding.
+    /// but one for a boundary. Capacities of caps are those of the options, but 1 where the counting method has no such caps.
+    /// By default near caps have room for [`FEW_CAPS`] and sixteen times the square root of the faces (all for ZP+ as
+    /// published), other caps for all faces that may have one; both shrink in proportion if they do not fit one binding.
     pub(crate) fn new(
         options: &SceneOptions,
         shape: ShadowShape,

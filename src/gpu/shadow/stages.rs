@@ -1,5 +1,5 @@
-//! The compute passes before the draws: `bounds`, `counting_methods`, `caps`, `list_sides`, `shadow_arguments`, and
-//! four optional ones. And the bind groups of the draws.
+//! The compute passes before the draws: `relist`, `bounds`, `counting_methods`, `caps`, `list_sides`, `shadow_arguments`,
+//! and six optional ones. And the bind groups of the draws.
 
 use wgpu::BindingResource;
 
@@ -30,9 +30,10 @@ enum Over {
     Boxes,
     /// All casters, lights and views in one dispatch.
     Pairs,
-    /// For each group, batch and view: one workgroup, also only where there are pieces, or faces, edges, sides, pieces.
+    /// For each group, batch and view one workgroup. The same only where there are pieces.
     One,
     OneOfPieces,
+    /// For each group, batch and view its faces, edges, sides, or pieces where there are any.
     Faces,
     Edges,
     Sides,
