@@ -103,9 +103,9 @@ impl Extractor {
     }
 
     /// Records the extraction for `lights` and returns what was extracted. Lights are in the space of the positions. No
-    /// lights are allowed; then no edge is a silhouette. Lights past those given keep the masks of an earlier encode,
-    /// and their draws are empty. One encoder may hold several encodes. Each sees its own lights and overwrites the
-    /// results of the one before.
+    /// lights are allowed; then no edge is a silhouette. Lights past those given have empty draws. In the batch of the last
+    /// one given their bits are 0, and later batches keep the masks of an earlier encode. One encoder may hold several
+    /// encodes. Each sees its own lights and overwrites the results of the one before.
     ///
     /// # Errors
     /// [`ExtractorError`] if lights or positions are refused, or the device is lost. Nothing is recorded then.
