@@ -415,8 +415,8 @@ shared_structs! {
         /// An upper bound of the stencil counts of all casters together, for any light and view. 0 unless it was requested.
         count_bound: u32;
         /// Pairs of light and view whose bound is larger than the largest count: 255, or less with fewer
-        /// [`count_bits`](crate::gpu::ShadowFormat::count_bits), and half as much where casters are counted in several batches. 0
-        /// unless it was requested.
+        /// [`count_bits`](crate::gpu::ShadowFormat::count_bits), and half as much where casters are counted in several
+        /// batches. 0 unless it was requested.
         may_wrap: u32;
         /// Lists of sides and caps that an earlier encode made, and that are drawn again.
         cached_lists: u32;

@@ -43,7 +43,7 @@ impl InstancePose {
         Self { faces_turned, ..self }
     }
 
-    /// Checks that all numbers are finite.
+    /// Makes a pose of these parts. Checks that all numbers are finite.
     pub(crate) fn with(
         palette: Vec<Transform>,
         morph_weights: Vec<f32>,
