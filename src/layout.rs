@@ -125,7 +125,7 @@ shared_structs! {
 
     /// Statistics of an extraction.
     struct ExtractionStatistics {
-        /// Faces with an infinite or NaN vertex. They face no light.
+        /// Faces with an infinite or NaN vertex. They face no light. Here and below a polygon counts as a face.
         non_finite_faces: u32;
         /// Lists that overflowed. The draws of their lights go over all edges.
         overflowed_lists: u32;

@@ -18,6 +18,7 @@ use crate::{Mesh, light};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shape {
     pub(crate) vertices: u32,
+    /// Triangles, in a mesh of polygons too.
     pub(crate) faces: usize,
     pub(crate) edges: usize,
     pub(crate) max_lights: usize,
