@@ -39,7 +39,7 @@ pub struct AreaLight {
     pub light: Light,
     /// Its shape and size.
     pub shape: AreaShape,
-    /// The direction that rectangles and discs face, of any length. It has no meaning for spheres, and for a light at
+    /// The direction that rectangles and discs face, of any length above 0. It has no meaning for spheres, and for a light at
     /// infinity: that one always faces the scene.
     pub normal: [f32; 3],
 }

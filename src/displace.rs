@@ -16,9 +16,10 @@ pub const DISPLACE_GROUP: u32 = 1;
 /// WGSL with a function `fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32>` and the functions that
 /// it calls. It returns the displaced position in world space.
 ///
-/// `position` is in world space, after morph and skin. `vertex` is the index of the source vertex. `time` is in
-/// seconds. The source may declare its own resources in bind group [`DISPLACE_GROUP`]; within `wgpu::Limits::default()`
-/// that is up to two storage buffers. The source's size has bounds, see [`DisplaceError::TooLarge`].
+/// `position` is in world space, after morph and skin. `vertex` is an element of
+/// [`Geometry::source_vertices`](crate::Geometry::source_vertices), the same in all instances. `time` is in seconds. The
+/// source may declare its own resources in bind group [`DISPLACE_GROUP`]; within `wgpu::Limits::default()` that is up to
+/// two storage buffers. The source's size has bounds, see [`DisplaceError::TooLarge`].
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Displacement {
     source: String,

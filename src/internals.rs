@@ -26,7 +26,7 @@ pub mod shadow {
     /// The camera as the GPU needs it.
     ///
     /// # Errors
-    /// [`CameraError`] for a singular matrix, an oblique near plane, or near and far the wrong way round.
+    /// [`CameraError`] for the reasons of [`ShadowCamera::check`], but mirror images are allowed.
     pub fn view(camera: &ShadowCamera) -> Result<ShadowView, CameraError> {
         camera.view()
     }
@@ -139,7 +139,7 @@ pub mod scene {
     }
 }
 
-/// CPU references of stages. File and function have the name of the stage. Tests compare the two bit for bit.
+/// CPU references of stages. File and function have the name of the stage. Tests compare them bit for bit, except `deform`.
 pub mod cpu {
     /// The bit of an entry of a list that is set if the edge's winding bit is set.
     pub const WINDING: u32 = 1 << 31;

@@ -33,8 +33,8 @@ pub const LANES: u32 = 8;
 
 /// A caster whose mesh has no clusters.
 pub const NO_CLUSTERS: u32 = u32::MAX;
-/// Words of a listed chunk of faces: the chunk, the lights that are decided for all of its faces, those of them that the
-/// faces face, and a bit for each light that is tested.
+/// Words of a listed chunk of faces: the chunk, the bits of the lights that are decided for all of its faces, those of them
+/// that the faces face, and the index mask (wgsl/interface/caster.wgsl) of lights to test: all ones if none is decided.
 pub const FACE_ENTRY: u32 = 4;
 
 /// Flags of a [`SceneCaster`].
@@ -119,13 +119,13 @@ shared_structs! {
     struct EdgeMasks {
         /// Set if the edge is a silhouette edge.
         silhouette: u32;
-        /// Set if face 0 faces the light. If face 0 is twisted, the bit of face 1 for the direction of face 0.
+        /// Set if face 0 faces the light. If face 0 is twisted, it is the bit of face 1, inverted for a consistent record.
         winding: u32;
     }
 
     /// Statistics of an extraction.
     struct ExtractionStatistics {
-        /// Faces with an infinite or NaN vertex. They face no light.
+        /// Faces with an infinite or NaN vertex. They face no light. Here and below a polygon counts as a face.
         non_finite_faces: u32;
         /// Lists that overflowed. The draws of their lights go over all edges.
         overflowed_lists: u32;
@@ -149,8 +149,8 @@ shared_structs! {
         first_instance: u32;
     }
 
-    /// Thirty-two faces and their box. The box holds the faces that count: those that are finite and name three
-    /// different vertices.
+    /// Up to thirty-two faces and their box. The box holds the faces that count: those that are finite and name three
+    /// different vertices. Entries without a face name vertex 0 three times.
     struct FaceCluster {
         low, high, group_low, group_high: [u32; 4];
         corners: [u32; 96];
@@ -225,7 +225,7 @@ shared_structs! {
         pairs: u32;
         /// The relevant pairs whose facing bits an earlier encode cached.
         cached_pairs: u32;
-        /// Pairs of caster and allowed light that are culled by the light's range or cone.
+        /// Pairs of caster and allowed light that are culled by the light's range or cone, except those of `culled_casters`.
         pairs_culled_by_range: u32;
         /// Pairs of caster and light that are culled by an occluder between them.
         pairs_culled_by_occluders: u32;
@@ -233,7 +233,7 @@ shared_structs! {
         faces: u32;
         /// Edge records that were tested, for each batch of 32 lights.
         edges: u32;
-        /// Faces that were not tested, because each active light decides the whole cluster.
+        /// Faces that were not tested, because the whole cluster is decided for each active light.
         untested_faces: u32;
         /// Edge records that were not tested, because their clusters have no silhouette edge.
         untested_edges: u32;
@@ -314,7 +314,7 @@ shared_structs! {
         noise, noise_exponents: u32;
     }
 
-    /// The samples of a depth map that the near rectangle of a camera is among.
+    /// The samples of a depth map whose surfaces may be before the near rectangle of a camera.
     struct DepthNearBox {
         first, size: [u32; 2];
         key: u32;
@@ -415,8 +415,8 @@ shared_structs! {
         /// An upper bound of the stencil counts of all casters together, for any light and view. 0 unless it was requested.
         count_bound: u32;
         /// Pairs of light and view whose bound is larger than the largest count: 255, or less with fewer
-        /// [`count_bits`](crate::gpu::ShadowFormat::count_bits), and half as much where casters are counted in several batches. 0
-        /// unless it was requested.
+        /// [`count_bits`](crate::gpu::ShadowFormat::count_bits), and half as much where casters are counted in several
+        /// batches. 0 unless it was requested.
         may_wrap: u32;
         /// Lists of sides and caps that an earlier encode made, and that are drawn again.
         cached_lists: u32;

@@ -9,7 +9,8 @@ impl Light {
     /// position do not count either. [`cpu::shadow_depth_on_faces`](crate::cpu::shadow_depth_on_faces) and
     /// [`gpu::QueryPoints`](crate::gpu::QueryPoints) leave a face out exactly.
     ///
-    /// A point that is not finite, one at the light, and every point if the distance is not above 0 stay as they are.
+    /// A point that is not finite, one at the light, and every point if the light is not finite or the distance not above 0
+    /// stay as they are.
     pub fn lift(self, point: [f32; 3], distance: f64) -> [f32; 3] {
         let is_finite = point.iter().chain(&self.to_array()).all(|c| c.is_finite());
         if !is_finite || distance.is_nan() || distance <= 0.0 {

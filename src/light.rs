@@ -43,7 +43,8 @@ pub struct Cone {
 }
 
 impl Cone {
-    /// A cone about `axis` of this half angle, in radians. The cosine is rounded so that the cone has the whole angle.
+    /// A cone about `axis` of this half angle, in radians, clamped to 0 to π. The cosine is rounded so that the cone has the
+    /// whole angle.
     /// An angle that is NaN gives a cosine that is NaN, and lights with it are refused.
     pub fn new(axis: [f32; 3], half_angle: f32) -> Self {
         let half_angle = f64::from(half_angle).clamp(0.0, std::f64::consts::PI);
@@ -144,7 +145,7 @@ pub enum LightError {
     /// A component is infinite or NaN.
     #[error("light {index} is ({}, {}, {}, {}), and every component must be finite", .xyzw[0], .xyzw[1], .xyzw[2], .xyzw[3])]
     NotFinite { index: usize, xyzw: [f32; 4] },
-    /// The range is neither positive nor infinite.
+    /// The range is NaN, or not above 0.
     #[error("light {index} has the range {range}; it must be positive, or infinite for no limit")]
     Range { index: usize, range: f32 },
     /// The axis of a cone has no direction, or its cosine is not in −1 to 1.

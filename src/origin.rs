@@ -158,7 +158,7 @@ fn is_held(point: &[f64; 3]) -> bool {
     point.iter().all(|&c| (c as f32).is_finite())
 }
 
-/// The largest power of two that is not above `size`, which is positive, normal and finite.
+/// The largest power of two that is not above the absolute value of `size`, which is normal and finite.
 pub(crate) fn power_of_two_below(size: f64) -> f64 {
     f64::from_bits(size.to_bits() & 0x7ff0_0000_0000_0000)
 }

@@ -27,8 +27,8 @@ pub const COUNT_ZP_PLUS_2005: u32 = 4;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Counting {
-    /// The GPU chooses for each caster and light: z-pass where no face lies between the light and the near rectangle,
-    /// else ZP+. It is right from every camera.
+    /// The GPU chooses for each caster, light and view: z-pass where the caster's box shows that no face lies between the
+    /// light and the near rectangle, else ZP+. It is right from every camera.
     #[default]
     Auto,
     /// Counts what passes the depth test (Heidmann 1991). It is wrong where a volume reaches the near rectangle.
@@ -345,8 +345,8 @@ impl ShadowCamera {
 ///
 /// * Up to `begin` (his `Dec_Begin`) it is 1.
 /// * From `end` on (his `Light_End`, the light's range) it is 0.
-/// * Between them it is `((end − distance) / (end − begin))` to the power of `exponent` (his `Decrease`). An exponent
-///   of 1 is linear.
+/// * Between them it is `((end − distance) / (end − begin))` to the power of `exponent` (his `Decrease`), which is not
+///   negative. An exponent of 1 is linear.
 ///
 /// With an infinite `end` it is 1 everywhere. With `begin` beyond `end` it is a step at `end`.
 #[must_use]

@@ -3,7 +3,7 @@
 //! count. The head of a loop says how many it has, or a comment above it, and a test adds them up: a new loop without
 //! either, or one above the bound, fails it.
 
-/// Groups of 1,024 faces that one dispatch of a query goes over. With 31, a word also has a bit for each and one more.
+/// Groups of 1,024 faces that one dispatch of a query goes over at most. With 31, a word also has a bit for each and one more.
 pub const QUERY_GROUPS: u32 = 31;
 /// Items that an invocation takes in turn at most, where each takes few turns.
 pub const ITEMS: u32 = 128;

@@ -15,11 +15,11 @@ pub struct MeshDiagnostics {
     pub edges: EdgeCounts,
     /// The number of undirected edges where more than two faces meet. Each has several records.
     pub non_manifold_edges: usize,
-    /// The number of faces that name a vertex twice. They stay in the list, face no light and have no edge
-    /// records.
+    /// The number of faces that name a vertex twice or, in a mesh of polygons, of polygons without a boundary:
+    /// [`Mesh::degenerate_faces`]. They face no light and have no edge records.
     pub degenerate_faces: usize,
     /// The number of faces with the same three vertices as an earlier face, in any order. Degenerate faces do not
-    /// count.
+    /// count. In a mesh of polygons this and the next field count triangles.
     pub duplicate_faces: usize,
     /// The number of flipped copies, which are among [`Self::duplicate_faces`]: for each three vertices, the faces of the
     /// direction that has fewer. Both sides of such a face are seen, and drawing them at one depth takes care.

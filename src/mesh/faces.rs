@@ -10,7 +10,8 @@ use super::weld::{self, Weld, WeldCounts};
 /// The faces of a mesh over welded vertices, and the edge records between them. It has no positions.
 ///
 /// Faces are triangles, or polygons by [`Self::from_polygons_by_loop`]. A mesh of such polygons also has triangles, which
-/// are its surface. Edge records and facing masks never see those: a polygon is one face.
+/// are its surface. Edge records name polygons, because a polygon is one face. Extractions return a facing mask for each
+/// triangle, the same for all of a polygon.
 ///
 /// Vertices keep the caller's numbering. Faces and records name each welded group by its lowest source index, or by the
 /// vertex at its smallest position where vertices are welded by distance. So the stages read the caller's own position
@@ -146,7 +147,8 @@ impl Mesh {
         &self.faces
     }
 
-    /// The number of faces, which edge records name and of which each has a facing mask: polygons or triangles.
+    /// The number of faces, which edge records name: polygons or triangles. Facing masks are of [`Self::faces`], which in a
+    /// mesh of polygons have another number.
     pub fn face_count(&self) -> usize {
         self.polygons.as_ref().map_or(self.faces.len(), Polygons::len)
     }

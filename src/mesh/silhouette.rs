@@ -37,7 +37,7 @@ pub struct Chain {
 }
 
 impl Silhouette {
-    /// The edges of these records, in any order. Each has the winding bit: whether face 0 faces the light.
+    /// The edges of these records, in any order. Each has the winding bit, as in [`EdgeMasks`](crate::layout::EdgeMasks).
     pub(crate) fn new(mesh: &Mesh, records: impl IntoIterator<Item = (u32, bool)>) -> Self {
         let oriented = |(record, winding): (u32, bool)| {
             let edge = mesh.edges().get(record as usize)?;

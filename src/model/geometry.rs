@@ -122,7 +122,8 @@ pub struct Geometry {
 
 impl Geometry {
     /// Makes a geometry. `positions` are in mesh space. `faces` are counter-clockwise triangles, as indices into
-    /// `positions`. Positions and morph offsets may be non-finite; their faces never face a light.
+    /// `positions`. Positions and morph offsets may be non-finite; their faces never face a light. An offset has no effect
+    /// where its target's weight is 0.
     ///
     /// # Errors
     /// [`ModelError`] for an index out of range, too many vertices, or a list in `options` whose length does not fit
@@ -192,7 +193,8 @@ impl Geometry {
         &self.source_vertices
     }
 
-    /// The number of matrices that a pose's palette must have: one more than the highest joint, or 1 for a rigid mesh.
+    /// The number of matrices that a pose's palette must have at least: one more than the highest joint, or 1 for a rigid
+    /// mesh.
     pub fn joints_needed(&self) -> usize {
         self.influences.as_ref().map_or(1, |influences| influences.joints_needed)
     }

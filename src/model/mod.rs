@@ -137,7 +137,8 @@ impl Model {
     ///
     /// # Errors
     /// [`ModelError::Turned`] for the first instance whose faces are turned the other way in the mesh.
-    /// [`ModelError::OtherMesh`] if the mesh is not one of this model. The errors of [`Self::check`].
+    /// [`ModelError::OtherMesh`] if a count or one of these faces shows that the mesh is not one of this model. The errors of
+    /// [`Self::check`].
     pub fn check_mesh(&self, mesh: &Mesh, pose: &Pose) -> Result<(), ModelError> {
         self.check(pose)?;
         let needed = self.placed_geometries().map(|geometry| geometry.faces().len()).sum();

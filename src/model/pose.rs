@@ -18,8 +18,8 @@ pub struct InstancePose {
 
 impl InstancePose {
     /// Makes a pose. `palette` maps mesh space to world space, by columns, by glam's type or by rows: see [`Transform`]. It
-    /// has a matrix for each joint if the geometry has influences, else exactly one. `morph_weights` has a weight for
-    /// each morph target. Weights may be negative or larger than 1.
+    /// has a matrix for each joint if the geometry has influences, else one. Further ones move nothing, but count below.
+    /// `morph_weights` has a weight for each morph target. Weights may be negative or larger than 1.
     ///
     /// The faces are turned if more matrices mirror (negative determinant) than do not, so that they stay
     /// counter-clockwise from outside. [`InstancePose::with_faces_turned`] overrides this.
@@ -43,7 +43,7 @@ impl InstancePose {
         Self { faces_turned, ..self }
     }
 
-    /// Checks that all numbers are finite.
+    /// Makes a pose of these parts. Checks that all numbers are finite.
     pub(crate) fn with(
         palette: Vec<Transform>,
         morph_weights: Vec<f32>,
@@ -70,7 +70,7 @@ impl InstancePose {
         &self.morph_weights
     }
 
-    /// Whether the faces are turned, because the transform mirrors them. They so stay counter-clockwise from outside.
+    /// Whether [`Model::mesh`](super::Model::mesh) turns the faces, as [`Self::new`] or [`Self::with_faces_turned`] decided.
     pub fn faces_turned(&self) -> bool {
         self.faces_turned
     }

@@ -71,6 +71,7 @@ pub(super) struct ModelData {
     pub(super) arrays: [Vec<u32>; 4],
     pub(super) vertices: u64,
     pub(super) layouts: Vec<PoseLayout>,
+    /// The words of the pose without those of `workgroups`.
     pub(super) pose_words: u64,
     /// The word of the pose where for each instance it is 1 if its positions are a point, and then 1 if it is not needed.
     pub(super) before: u64,

@@ -12,10 +12,10 @@ use crate::shadow::DepthDirection;
 
 /// The quantity in the texels of an `R32Float` map.
 ///
-/// Distances are in the units of positions. A distance casts nothing if it is infinite, NaN, at the far plane or beyond it;
+/// Distances are in the units of positions. A distance casts nothing if it is +∞, NaN, at the far plane or beyond it;
 /// without a far plane, if it is 2¹²⁰ units or more along the axis. It also casts nothing if its device depth rounds to that
-/// of the far end, which cannot happen with reversed depth. A negative distance, or one before the near plane, counts as one
-/// at the near plane.
+/// of the far end; with reversed depth only one below 2⁻¹²⁶ does. A negative distance, or one before the near plane, counts
+/// as one at the near plane.
 ///
 /// Distances must be right to one unit in their last place. Add other errors that may make them too short, such as the
 /// tolerance at which a marched ray stops before a surface. A boundary that is nearer to the light than the surface shows as

@@ -62,10 +62,11 @@ pub enum DepthMapMethod {
     /// for casters that are not in the eye's depth buffer, for bodies thinner than a texel, and for cloth and leaves. Take
     /// it also where the eye's near plane cuts into bodies, or the light is within one.
     EveryCell,
-    /// Edges between a depth and nothing, and edges whose depth difference exceeds four steps of the map's format and twice
-    /// either difference beside it in the same row or column. It needs no threshold, and a surface that goes on at its slope
-    /// has no edge. It misses steps between steep slopes, such as equal stairs that are one texel wide. Bodies thinner than
-    /// a texel may leave streaks, and open sheets may swap single pixels (docs/measured.md).
+    /// Edges between a depth and nothing, and edges whose depth difference exceeds twice the smaller one beside it in the
+    /// same row or column by more than four steps of the map's format, where one that goes the other way, or to nothing, is
+    /// 0. It needs no threshold, and a surface that goes on at its slope has no edge. It misses steps between steep slopes,
+    /// such as equal stairs that are one texel wide. Bodies thinner than a texel may leave streaks, and open sheets may swap
+    /// single pixels (docs/measured.md).
     Automatic {
         /// How dangling edges are continued. Default: `None`, they end.
         dangling: Option<DanglingEdges>,
@@ -118,8 +119,8 @@ impl Default for DepthMapMethod {
 
 /// How dangling edges are continued: lower thresholds hold at their ends, cell by cell (section 3.2 of the paper). An edge
 /// dangles where it ends in a cell that has no other edge, such as at a contact of two surfaces, or where a fold ends. It
-/// costs two words for 16 texels, and a short pass for each cell. In a cube, no edge is continued from one map into the
-/// next.
+/// costs two words for 16 texels, with [`DepthMapMethod::Differences`] four, and a short pass for each cell. In a cube, no
+/// edge is continued from one map into the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DanglingEdges {
     /// Factor of the thresholds at the end of an edge, from 0 to 1. By the method, thresholds are `threshold`, or `low` and

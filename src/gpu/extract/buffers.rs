@@ -18,6 +18,7 @@ use crate::{Mesh, light};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shape {
     pub(crate) vertices: u32,
+    /// Triangles, in a mesh of polygons too.
     pub(crate) faces: usize,
     pub(crate) edges: usize,
     pub(crate) max_lights: usize,
@@ -27,7 +28,7 @@ pub(crate) struct Shape {
     pub(crate) lists_head: u64,
     /// Blocks of edges that compaction counts.
     pub(crate) blocks: u32,
-    /// Faces that the list of undecided faces has room for. It is 0 without exact facing.
+    /// Faces that the list of undecided faces has room for. It is 0 without exact facing, and for polygons.
     pub(crate) undecided: usize,
     /// Facing masks, and twisted masks if there are polygons.
     pub(crate) face_words: usize,

@@ -106,13 +106,13 @@ pub struct ExtractionResults<'a> {
     /// index of an edge record, with the winding bit as bit 31. Entries past the light's count have no meaning. Empty
     /// without lists.
     pub lists: &'a [wgpu::Buffer],
-    /// Entries that the list of each light has room for.
+    /// Entries that the list of each light has room for. 0 without lists.
     pub capacity: u32,
-    /// One `u32` for each light of all batches: the number of its silhouette edges. The list overflowed if it is more
-    /// than the capacity.
+    /// One `u32` for each light of all batches: the number of its silhouette edges, or 0 without lists. The list overflowed
+    /// if it is more than the capacity.
     pub counts: &'a wgpu::Buffer,
     /// A [`DrawArguments`](crate::gpu::DrawArguments) for each light of all batches. Usage `INDIRECT`, too. The draw of
-    /// a list that overflowed goes over all edge records, see [`crate::gpu::include_wgsl`].
+    /// a list that overflowed goes over all edge records, see [`crate::gpu::include_wgsl`]. All are 0 without lists.
     pub draw_arguments: &'a wgpu::Buffer,
     /// One [`ExtractionStatistics`](crate::gpu::ExtractionStatistics).
     pub statistics: &'a wgpu::Buffer,

@@ -30,14 +30,14 @@ use crate::stages::source;
 /// | `rimline_clip(view_projection: mat4x4<f32>, origin: vec3<f32>, position: vec3<f32>) -> vec4<f32>` | A position in clip space, in the same bits as light caps. z-fail needs a depth pass that computes positions so |
 /// | `rimline_faces_light(face: u32, light: u32) -> bool` | Whether a triangle faces the light |
 /// | `rimline_is_twisted(face: u32, light: u32) -> bool` | Whether the polygon of a triangle is twisted as seen from the light, so that it counts nowhere |
-/// | `rimline_has_light(light: u32) -> bool` | Whether the bound batch has the light |
+/// | `rimline_has_light(light: u32) -> bool` | Whether the bound batch has the light, extracted or not |
 /// | `rimline_light_bit(light: u32) -> u32` | The light's bit in the masks of its batch |
 ///
 /// | member of `RimlineSilhouette` | |
 /// |---|---|
 /// | `valid: bool` | False: draw nothing; the other members mean nothing. The list overflowed, so the draw goes over all edge records, and this one is no silhouette |
 /// | `edge: u32`, `a: u32`, `b: u32` | The index of the edge record, and its vertices. Face 0 traverses it from `a` to `b` |
-/// | `winding: bool` | Whether face 0 faces the light; if face 0 is twisted, the bit of face 1 for the direction of face 0. If set, (b, a, far a, far b) is counter-clockwise from outside the shadow volume |
+/// | `winding: bool` | Whether face 0 faces the light, as in [`EdgeMasks`](crate::gpu::EdgeMasks). If so, (b, a, far a, far b) is counter-clockwise from outside the shadow volume |
 /// | `kind: u32` | 0 consistent, 1 inconsistent, 2 boundary |
 ///
 /// The bindings, 0 to 6: `rimline_info`, `rimline_positions`, `rimline_edge_vertices`, `rimline_edge_faces`,
@@ -48,7 +48,7 @@ use crate::stages::source;
 /// | member of `RimlineInfo` | |
 /// |---|---|
 /// | `edges: u32`, `capacity: u32` | Edge records, and entries that the list of each light has room for |
-/// | `first_light: u32`, `lights: u32` | The lights of the batch |
+/// | `first_light: u32`, `lights: u32` | The first light of the batch, and how many of the encode's lights it has |
 /// | `position_offset: u32`, `position_stride: u32` | The word of vertex 0 in `rimline_positions`, and the words from one vertex to the next |
 /// | `twisted_offset: u32` | Where twisted masks lie behind the facing masks, or 0 |
 /// | `vertices_per_edge: u32` | Vertices that the draw has for each edge, by [`EdgeTopology`](crate::gpu::EdgeTopology) |

@@ -66,9 +66,10 @@ impl ExtractorOptions {
 pub struct ListOptions {
     /// Entries that the list of each light has room for, clamped to 1 … edge records. Default: `None`, room for all
     /// boundary and inconsistent edges, and of `n` consistent ones for the largest of `4n / max_lights`, `16 √n` and
-    /// 1,024. After an overflow, which [`ExtractionStatistics`](crate::gpu::ExtractionStatistics) counts, the draw goes
-    /// over all edges, and the WGSL of [`include_wgsl`](crate::gpu::include_wgsl) rejects by the facing masks those
-    /// that are no silhouette. The per-edge method has no facing masks, so there only [`ExtractorOptions::masks`] tell.
+    /// 1,024, as far as one binding holds them. After an overflow, which
+    /// [`ExtractionStatistics`](crate::gpu::ExtractionStatistics) counts, the draw goes over all edges, and the WGSL of
+    /// [`include_wgsl`](crate::gpu::include_wgsl) rejects by the facing masks those that are no silhouette. The per-edge
+    /// method has no facing masks, so there only [`ExtractorOptions::masks`] tell.
     pub capacity: Option<u32>,
     /// Whether lists have the order of the edges, which is the same in every run. Such lists are made from
     /// silhouette and winding masks: they cost the memory traffic of the masks, and 8 bytes for each edge if masks are not

@@ -116,7 +116,11 @@ impl ShadowQuery {
         let max_points = max_points.max(1);
         let most_queries = most_queries(&split, max_points, max_lights);
         point_chunks(&split, most_queries, max_points, max_lights, 12)?;
-        let clusters = shadow_boxes::clusters(mesh, range);
+        let mut clusters = shadow_boxes::clusters(mesh, range);
+        if clusters.is_empty() {
+            // A mesh without triangles has a cluster without a face. Else no dispatch would write the counts of its points.
+            clusters.push(bytemuck::Zeroable::zeroed());
+        }
         let sizes = [u64::from(max_points) * max_lights as u64 * 4, undecided_bytes(most_queries)];
         let mut account = Account::default();
         Buffers::<()>::plan(&clusters, sizes, |wanted| account.note(&wanted));

@@ -122,7 +122,7 @@ impl<T: Copy + PartialOrd + Into<f64>, const N: usize> Range<T, N> {
         })
     }
 
-    /// The least distance from `middle` that everything keeps, and `more`: rounded up, and never flushed.
+    /// How far the range reaches from `middle`, and `more` added: rounded up, and never flushed.
     fn half(&self, middle: [f32; N], more: f64) -> [f32; N] {
         std::array::from_fn(|axis| {
             let middle = f64::from(middle[axis]);

@@ -3,7 +3,8 @@
 use crate::cpu::common::positions::position;
 use crate::mesh::is_degenerate;
 
-/// Faces with a coordinate from 2¹²⁰ on are in no cluster that is decided by its bound: sums could overflow.
+/// Faces with a coordinate from 2¹²⁰ on make no bound, because sums could overflow: their clusters are not decided, unless
+/// they name a vertex twice.
 pub(super) const LARGE: f32 = f32::from_bits((127 + 120) << 23);
 /// The normal must be at least this much of its terms, or cancellation has spoilt it: 2⁻²⁰.
 const LEAST_NORMAL: f64 = 1.0 / 1_048_576.0;
@@ -11,8 +12,8 @@ const LEAST_NORMAL: f64 = 1.0 / 1_048_576.0;
 /// The normal of a face, divided by its largest component, and corner 0. The largest component is 1 or −1. The others are
 /// off by less than 2⁻²⁴.
 ///
-/// The normal is 0 if the face names a vertex twice and is finite. It is NaN if no bound can be made of the face: a vertex
-/// is not finite or is large, or the corners are nearly on a line.
+/// The normal is 0 if the face names a vertex twice and is finite. Else it is NaN if no bound can be made of the face: a
+/// vertex is not finite or is large, or the corners are nearly on a line.
 pub(super) type Plane = [[f32; 3]; 2];
 
 /// Kinds of planes.

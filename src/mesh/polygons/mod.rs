@@ -182,9 +182,9 @@ impl Polygons {
         polygons_of(&self.triangle_starts)
     }
 
-    /// The mask of each polygon from those of the mesh's triangles, which are the same for all of a polygon: masks of
-    /// faces are those of triangles, as shaders draw them, and edge records name polygons. A polygon without triangles,
-    /// and one that `of_triangles` does not reach, has no bits.
+    /// The mask of each polygon from those of the mesh's triangles, for one batch of lights. They are the same for all of a
+    /// polygon: masks of faces are those of triangles, as shaders draw them, and edge records name polygons. A polygon
+    /// without triangles, and one that `of_triangles` does not reach, has no bits.
     pub fn masks_of(&self, of_triangles: &[u32]) -> Vec<u32> {
         let first = |polygon| self.triangles(polygon).next().and_then(|first| of_triangles.get(first));
         (0..self.len()).map(|polygon| first(polygon).copied().unwrap_or(0)).collect()
