@@ -59,24 +59,20 @@ fn volumes(gpu: &Gpu, format: &ShadowFormat) -> Result<(ShadowPipelines, OneFram
 /// Draws volumes of a format into a pass that the format begins, or the encoder. Returns what the device says.
 fn drawn(
     gpu: &Gpu,
-    format: &ShadowFormat,
+    (format, (pipelines, shadows)): (&ShadowFormat, &(ShadowPipelines, OneFrame)),
     pass: &wgpu::RenderPassDescriptor<'_>,
     by_encoder: bool,
-) -> Result<Result<Option<wgpu::Error>, ShadowError>, String> {
-    let (pipelines, shadows) = volumes(gpu, format)?;
+) -> Result<Option<wgpu::Error>, ShadowError> {
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
     let begun = if by_encoder { Ok(encoder.begin_render_pass(pass)) } else { format.begin_pass(&mut encoder, pass) };
-    let begun = begun.map(|mut pass| shadows.draw(&mut pass, &pipelines, 0));
+    let begun = begun.map(|mut pass| shadows.draw(&mut pass, pipelines, 0));
     let finished = encoder.finish();
     let error = pollster::block_on(scope.pop());
     if error.is_none() {
         gpu.queue.submit([finished]);
     }
-    Ok(match begun {
-        Ok(drawn) => drawn.map(|()| error),
-        Err(error) => Err(error),
-    })
+    begun?.map(|()| error)
 }
 
 /// A format that is made of a pass is that of its attachments, and serves for no others.
@@ -85,6 +81,7 @@ fn other_passes() -> Result<(), String> {
     let all = attachments();
     for (number, (samples, colors)) in all.iter().enumerate() {
         let format = ShadowFormat { samples: *samples, colors: colors.clone(), ..ShadowFormat::default() };
+        let of_format = (&format, &volumes(gpu, &format)?);
         for (others, other_colors) in [&all[number], &all[(number + 1) % all.len()]] {
             let depth_stencil = target(gpu, *others, DEPTH_STENCIL);
             let views = other_colors.iter().map(|format| format.map(|format| target(gpu, *others, format)));
@@ -100,9 +97,9 @@ fn other_passes() -> Result<(), String> {
             let of_pass = ShadowFormat::of_pass(&pass, &camera()).map_err(text)?;
             same(&what, &[of_pass == format], &[is_same])?;
             let expected = if is_same { Expected::Taken } else { shows(&["OtherAttachments"]) };
-            refused([refusal(&what, drawn(gpu, &format, &pass, false)?, expected)])?;
+            refused([refusal(&what, drawn(gpu, of_format, &pass, false), expected)])?;
             // Each refusal spares an error of wgpu, by default a panic.
-            let found = drawn(gpu, &format, &pass, true)?.map_err(text)?;
+            let found = drawn(gpu, of_format, &pass, true).map_err(text)?;
             if found.is_none() != is_same {
                 return Err(format!("{what}: wgpu says {found:?}"));
             }
@@ -110,6 +107,7 @@ fn other_passes() -> Result<(), String> {
     }
     let depth_stencil = target(gpu, 1, DEPTH_STENCIL);
     let format = ShadowFormat::default();
+    let of_format = (&format, &volumes(gpu, &format)?);
     let nothing = wgpu::RenderPassDescriptor::default();
     let given = |stencil: Option<wgpu::LoadOp<u32>>, depth: wgpu::LoadOp<f32>| {
         let store = wgpu::StoreOp::Store;
@@ -119,17 +117,17 @@ fn other_passes() -> Result<(), String> {
             ..ShadowFormat::attachment(&depth_stencil)
         };
         let pass = wgpu::RenderPassDescriptor { depth_stencil_attachment: Some(attachment), ..Default::default() };
-        drawn(gpu, &format, &pass, false)
+        drawn(gpu, of_format, &pass, false)
     };
     let cleared = Some(wgpu::LoadOp::Clear(0));
     let load = wgpu::LoadOp::Load;
     refused([
-        refusal("no stencil", given(None, load)?, is(ShadowError::StencilNotCleared)),
-        refusal("loaded", given(Some(wgpu::LoadOp::Load), load)?, is(ShadowError::StencilNotCleared)),
-        refusal("one", given(Some(wgpu::LoadOp::Clear(1)), load)?, is(ShadowError::StencilNotCleared)),
-        refusal("cleared", given(cleared, load)?, Expected::Taken),
-        refusal("depth cleared", given(cleared, wgpu::LoadOp::Clear(0.0))?, is(ShadowError::DepthCleared)),
-        refusal("no depth", drawn(gpu, &format, &nothing, false)?, is(ShadowError::NoDepthStencil)),
+        refusal("no stencil", given(None, load), is(ShadowError::StencilNotCleared)),
+        refusal("loaded", given(Some(wgpu::LoadOp::Load), load), is(ShadowError::StencilNotCleared)),
+        refusal("one", given(Some(wgpu::LoadOp::Clear(1)), load), is(ShadowError::StencilNotCleared)),
+        refusal("cleared", given(cleared, load), Expected::Taken),
+        refusal("depth cleared", given(cleared, wgpu::LoadOp::Clear(0.0)), is(ShadowError::DepthCleared)),
+        refusal("no depth", drawn(gpu, of_format, &nothing, false), is(ShadowError::NoDepthStencil)),
         refusal("no depth, of it", ShadowFormat::of_pass(&nothing, &camera()), is(ShadowError::NoDepthStencil)),
     ])
 }
@@ -153,9 +151,11 @@ fn lit(
     before: impl FnOnce(&mut wgpu::RenderPass<'_>) -> Result<(), String>,
 ) -> Result<usize, String> {
     let format = wgpu::TextureFormat::Rgba8Unorm;
-    let depth_stencil = Some(state.clone());
-    let drawing = Drawing { source: WHOLE, depth_stencil, targets: &[Some(format.into())], ..Drawing::default() };
-    let pipeline = drawing.pipeline(&gpu.device);
+    let pipeline = gpu.kept(&format!("lit {:?}", state.depth_compare), || {
+        let depth_stencil = Some(state.clone());
+        let drawing = Drawing { source: WHOLE, depth_stencil, targets: &[Some(format.into())], ..Drawing::default() };
+        Ok(drawing.pipeline(&gpu.device))
+    })?;
     let (view, depth_stencil) = (target(gpu, 1, format), target(gpu, 1, DEPTH_STENCIL));
     gpu.submit(|encoder| {
         let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), ..color(&view).ops };

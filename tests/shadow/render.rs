@@ -117,9 +117,8 @@ impl<'a> Renderer<'a> {
         }
     }
 
-    pub(crate) fn count(&self, frame: &Frame, counting: Counting) -> Result<Counted, String> {
-        let gpu = self.gpu;
-        let shadow_format = |front_face| ShadowFormat {
+    fn shadow_format(&self, frame: &Frame, front_face: wgpu::FrontFace) -> ShadowFormat {
+        ShadowFormat {
             front_face,
             depth_stencil: self.format,
             depth: frame.eye.depth,
@@ -128,12 +127,11 @@ impl<'a> Renderer<'a> {
             count_bits: self.options.stencil.count_bits,
             trim: self.trim,
             ..ShadowFormat::default()
-        };
-        let pipelines =
-            |front_face| ShadowPipelines::new(&gpu.pipelines, &shadow_format(front_face), counting).map_err(text);
-        let plain = pipelines(wgpu::FrontFace::Ccw)?;
-        let is_mirrored = frame.bodies.iter().any(|body| body.mirror.is_some());
-        let mirroring = if is_mirrored { Some(pipelines(wgpu::FrontFace::Cw)?) } else { None };
+        }
+    }
+
+    pub(crate) fn count(&self, frame: &Frame, counting: Counting) -> Result<Counted, String> {
+        let gpu = self.gpu;
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
         let copied = if self.samples == 1 { wgpu::TextureUsages::COPY_SRC } else { wgpu::TextureUsages::empty() };
         let target = gpu.device.create_texture(&wgpu::TextureDescriptor {
@@ -145,7 +143,7 @@ impl<'a> Renderer<'a> {
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let depth = self.early_depth(&mut encoder, frame, &target)?;
         let receivers = self.receivers.map(|sky_receives| Receivers { depth: &depth, sky_receives, version: None });
-        let format = shadow_format(wgpu::FrontFace::Ccw);
+        let format = self.shadow_format(frame, wgpu::FrontFace::Ccw);
         let together = match self.placing {
             Placing::Alone => None,
             _ => Some(InScene::new(self, &mut encoder, frame, counting, &format, receivers)?),
@@ -170,8 +168,7 @@ impl<'a> Renderer<'a> {
         for light in 0..frame.lights.len() {
             let mut pass = encoder.begin_render_pass(&depth_pass(&view, (Some(wgpu::LoadOp::Load), CLEARED.1)));
             draw_mapped(&mut pass, true)?;
-            for (shadows, is_mirrored) in &casters {
-                let pipelines = mirroring.as_ref().filter(|_| *is_mirrored).unwrap_or(&plain);
+            for (shadows, pipelines) in &casters {
                 shadows.draw(&mut pass, pipelines, light).map_err(text)?;
             }
             if let Some(together) = &together {
@@ -200,13 +197,13 @@ impl<'a> Renderer<'a> {
         Ok(counted)
     }
 
-    /// The casters of a frame, each in a scene of its own, and whether each is mirrored.
+    /// The casters of a frame, each in a scene of its own, and the pipelines that draw each.
     fn alone(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         frame: &Frame,
         counting: Counting,
-    ) -> Result<Vec<(OneFrame, bool)>, String> {
+    ) -> Result<Vec<(OneFrame, ShadowPipelines)>, String> {
         let mut casters = Vec::new();
         for body in frame.bodies.iter().filter(|body| body.casts) {
             let Placed { shape, camera, lights } = frame.placed(body);
@@ -223,7 +220,10 @@ impl<'a> Renderer<'a> {
                 one.in_depth = body.in_depth;
                 one.encode(encoder, positions, &lights, Some(&camera), None)
             });
-            casters.push((encoded.map_err(text)?, body.mirror.is_some()));
+            let front_face = if body.mirror.is_some() { wgpu::FrontFace::Cw } else { wgpu::FrontFace::Ccw };
+            let format = self.shadow_format(frame, front_face);
+            let pipelines = ShadowPipelines::new(&self.gpu.pipelines, &format, counting).map_err(text)?;
+            casters.push((encoded.map_err(text)?, pipelines));
         }
         Ok(casters)
     }

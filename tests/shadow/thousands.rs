@@ -2,10 +2,7 @@
 //! views; of one caster by each counting method. The last stage is `shadow_arguments`.
 
 use glam::{DQuat, DVec3};
-use rimline::gpu::{
-    Capacities, Caster, FrameInputs, Measuring, PositionBuffer, Scene, SceneOptions, ShadowFormat, ShadowPipelines,
-    StencilCounts,
-};
+use rimline::gpu::{Capacities, Caster, FrameInputs, Measuring, PositionBuffer, Scene, SceneOptions, StencilCounts};
 use rimline::internals::layout::{ShadowDraws, ShadowLight, ShadowStatistics, StencilPencil};
 use rimline::internals::shadow::{CAST_EVERY, CAST_NOTHING, COUNT_Z_FAIL};
 use rimline::{Counting, Light, Matrix3x4};
@@ -14,10 +11,10 @@ use crate::trials::Test;
 use rimline_testkit::device::Gpu;
 use rimline_testkit::frames::Eye;
 use rimline_testkit::goldens::golden;
-use rimline_testkit::on_gpu::{chosen, draws, interleaved, one_caster, shadow_statistics, text, views};
+use rimline_testkit::on_gpu::{chosen, draws, interleaved, shadow_statistics, text, views};
 use rimline_testkit::random::Random;
 use rimline_testkit::scenes::scene;
-use rimline_testkit::{made_anew, shapes};
+use rimline_testkit::{OneCaster, made_anew, shapes};
 
 pub(crate) const TESTS: &[Test] =
     &[("ten_thousand_casters", thousands), ("shadow_volumes_from_extraction_to_draws", chain)];
@@ -115,11 +112,7 @@ fn instances(draws: &ShadowDraws) -> [u32; 6] {
 
 /// In each counting method, with lists that fit or overflow.
 fn chain() -> Result<(), String> {
-    // z-fail needs depth to be unclipped where the camera has a far plane.
-    let gpu = &*Gpu::shared_with_depth_features()?;
-    let seed = 104;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
+    let (gpu, mut random) = Gpu::seeded(104)?;
     let mut seen = [0; 7];
     for counting in METHODS {
         for number in 0..6 {
@@ -129,9 +122,6 @@ fn chain() -> Result<(), String> {
                 *light = Light::point(scene.caster.1[random.below(scene.caster.1.len())]);
             }
             let (_, positions, mesh) = &scene.caster;
-            let (depth, has_far_plane) = (scene.camera.depth, scene.camera.has_far_plane());
-            let format = ShadowFormat { depth, has_far_plane, ..ShadowFormat::default() };
-            let pipelines = ShadowPipelines::new(&gpu.pipelines, &format, counting).map_err(text)?;
             // Ten more lights than are used.
             let mut options = made_anew(CHAIN_LIGHTS + 10, counting);
             options.capacities.lists = [None, Some(30)][number % 2];
@@ -140,7 +130,7 @@ fn chain() -> Result<(), String> {
             options.measuring.set(Measuring::CULLED_BY_VIEW, number == 4);
             options.end_at_range = number % 3 == 2;
             options.stencil.bound_counts = number % 2 == 1 || number == 0;
-            let mut caster = one_caster(gpu, &pipelines, mesh, options).map_err(text)?;
+            let mut caster = OneCaster::new(&gpu.pipelines, &gpu.queue, mesh, options).map_err(text)?;
             caster.in_depth = !matches!(number, 1 | 5);
             let (offset, stride) = [(0, 12), (20, 12), (28, 32)][number % 3];
             let buffer = gpu.storage(&interleaved(positions, offset, stride));
@@ -148,9 +138,9 @@ fn chain() -> Result<(), String> {
             let frame = gpu.submit(|encoder| {
                 caster.encode(encoder, bound, &scene.lights, Some(&scene.camera), None).map_err(text)
             })?;
-            let lights = chosen(gpu, &frame, CHAIN_LIGHTS)?;
-            let draws = draws(gpu, &frame, CHAIN_LIGHTS + 10)?;
-            let statistics = shadow_statistics(gpu, &frame)?;
+            let lights = chosen(&gpu, &frame, CHAIN_LIGHTS)?;
+            let draws = draws(&gpu, &frame, CHAIN_LIGHTS + 10)?;
+            let statistics = shadow_statistics(&gpu, &frame)?;
             // Distances come from a division and a square root, which WGSL lets be off by some units of the last place.
             let mut words: Vec<u32> =
                 lights.iter().flat_map(|light| [light.casting, light.counting, light.excludes]).collect();
