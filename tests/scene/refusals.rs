@@ -350,19 +350,19 @@ fn too_many() -> Result<(), String> {
         let limit = "max_compute_workgroups_per_dimension";
         is(ShadowError::Device(DeviceError::Limit { subject, limit, needed, there }))
     };
-    let seen = |workgroups, views| {
-        let gpu = limited(1 << 27, 1 << 28, workgroups)?;
-        let mut scene = scene(&gpu, None)?;
+    let seen = |gpu: &Gpu, views| {
+        let mut scene = scene(gpu, None)?;
         let cube = add_cube(&mut scene)?;
         scene.insert(Caster::rigid(cube, IDENTITY)).map_err(text)?;
         scene.add_light(LIGHT).map_err(text)?;
-        encoded(&gpu, &mut scene, views)
+        encoded(gpu, &mut scene, views)
     };
+    let (few, more) = (&limited(1 << 27, 1 << 28, 16)?, &limited(1 << 27, 1 << 28, 32)?);
     refused([
-        refusal("without a view", seen(16, 0)?, Expected::Taken),
-        refusal("volumes", seen(16, 1)?, needs("drawing shadow volumes or outlines", 32, 16)),
-        refusal("as many views", seen(32, 32)?, Expected::Taken),
-        refusal("a view more", seen(32, 33)?, needs("an encode of so many views", 33, 32)),
+        refusal("without a view", seen(few, 0)?, Expected::Taken),
+        refusal("volumes", seen(few, 1)?, needs("drawing shadow volumes or outlines", 32, 16)),
+        refusal("as many views", seen(more, 32)?, Expected::Taken),
+        refusal("a view more", seen(more, 33)?, needs("an encode of so many views", 33, 32)),
     ])?;
     // Each caster with a buffer of its own is a group, with a uniform of 256 bytes.
     let gpu = limited(1 << 16, 1 << 16, 65_535)?;
