@@ -10,8 +10,7 @@ use rimline::{
     AreaLight, AreaShape, Cone, Displacement, Geometry, GeometryOptions, Influences, Instance, InstancePose, Light,
     Mesh, Model, Pose, Predicate, falloff,
 };
-
-const CORNERS: [[f32; 3]; 3] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+use rimline_testkit::cases::{CORNERS, without_extent};
 
 #[test]
 fn no_vertices_and_no_faces() {
@@ -36,22 +35,10 @@ fn no_vertices_and_no_faces() {
     assert_eq!(Mesh::from_faces(0, Vec::new()), Err(MeshError::NoFaces));
 }
 
-/// Meshes all of whose faces have no extent, and those without a triangle.
-fn meshes() -> Vec<Mesh> {
-    let walked_back = PolygonLoops { polygon_loops: &[1], loop_sizes: &[4], loop_corners: &[0, 1, 1, 0] };
-    let filled = PolygonLoops { polygon_loops: &[2], loop_sizes: &[3, 3], loop_corners: &[0, 1, 2, 2, 1, 0] };
-    let mut meshes = vec![Mesh::from_faces(1, vec![[0; 3]]).expect("a face")];
-    for loops in [walked_back, filled] {
-        meshes.push(Mesh::from_polygons(&CORNERS, loops, Weld::Keep).expect("a mesh"));
-        meshes.push(Mesh::from_polygons_by_loop(&CORNERS, loops, Weld::Keep).expect("a mesh"));
-    }
-    meshes
-}
-
 #[test]
 fn faces_without_extent_are_a_mesh_of_which_nothing_is_found() {
     let lights = [Light::point([0.0, 0.0, 2.0]), Light::directional([0.0, 0.0, 1.0])];
-    for mesh in meshes() {
+    for mesh in without_extent() {
         assert_eq!((mesh.face_count(), mesh.degenerate_faces(), mesh.edges().len()), (1, 1, 0), "{mesh:?}");
         assert!(mesh.is_closed() && mesh.edges().is_empty() && mesh.edges().get(0).is_none());
         let found = MeshDiagnostics::of(&mesh, 0);
@@ -132,7 +119,7 @@ fn lights_of_nothing() {
 fn nothing_hides_behind_nothing() {
     let go_on = |_, _| ControlFlow::Continue(());
     let light = Light::point([0.0, 0.0, 2.0]);
-    let meshes = meshes();
+    let meshes = without_extent();
     let none: Vec<OcclusionCaster<'_>> = Vec::new();
     let casters = meshes.iter().map(|mesh| OcclusionCaster { mesh, positions: &CORNERS, version: None });
     for casters in [none, casters.collect()] {

@@ -1,36 +1,22 @@
 //! Zero of anything on the GPU: meshes without a triangle, no lights, no points. Nothing is found, and nothing fails. Scenes
 //! of such meshes: `tests/scene/zero.rs`.
 
+use rimline::Light;
 use rimline::gpu::{Extractor, ExtractorOptions, ListOptions, PositionBuffer, ShadowQuery, ShadowQueryOptions};
-use rimline::mesh::{PolygonLoops, Weld};
-use rimline::{Light, Mesh};
+use rimline_testkit::cases::{CORNERS, without_extent};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
-use rimline_testkit::on_gpu::text;
 use rimline_testkit::same;
 
 pub(crate) const TESTS: &[Test] = &[("meshes_without_a_triangle_are_taken", without_triangles)];
 
-const CORNERS: [[f32; 3]; 3] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 const LIGHTS: [Light; 2] = [Light::point([0.0, 0.0, 2.0]), Light::directional([0.0, 0.0, 1.0])];
-
-/// An edge walked both ways and a hole that is its loop, as polygons and as triangles; and a face of one vertex.
-fn meshes() -> Result<Vec<Mesh>, String> {
-    let walked_back = PolygonLoops { polygon_loops: &[1], loop_sizes: &[4], loop_corners: &[0, 1, 1, 0] };
-    let filled = PolygonLoops { polygon_loops: &[2], loop_sizes: &[3, 3], loop_corners: &[0, 1, 2, 2, 1, 0] };
-    let mut meshes = vec![Mesh::from_faces(3, vec![[0; 3]]).map_err(text)?];
-    for loops in [walked_back, filled] {
-        meshes.push(Mesh::from_polygons(&CORNERS, loops, Weld::Keep).map_err(text)?);
-        meshes.push(Mesh::from_polygons_by_loop(&CORNERS, loops, Weld::Keep).map_err(text)?);
-    }
-    Ok(meshes)
-}
 
 fn without_triangles() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let buffers = [gpu.storage(&CORNERS), gpu.storage(&[[0.2_f32, 0.2, -1.0], [f32::NAN; 3]])];
     let [positions, points] = [0, 1].map(|at| PositionBuffer { buffer: &buffers[at], offset: 0, stride: 12 });
-    for (number, mesh) in meshes()?.iter().enumerate() {
+    for (number, mesh) in without_extent().iter().enumerate() {
         let what = |error: &dyn std::fmt::Display| format!("mesh {number}: {error}");
         for lists in [None, Some(ListOptions::default()), Some(ListOptions { ordered: true, ..Default::default() })] {
             let options =

@@ -8,8 +8,8 @@ use rimline::gpu::{
     Capacities, Caster, CasterHandle, DeformerOptions, FrameInputs, LightHandle, LightMask, Pipelines, PositionBuffer,
     Scene, SceneFrame, SceneOptions, ShadowError, StencilCounts, read_back_vec, read_back_vec_async,
 };
-use rimline::mesh::{PolygonLoops, Weld};
-use rimline::{Counting, DepthDirection, Light, Mesh, Model, Pose, ShadowCamera};
+use rimline::{Counting, DepthDirection, Light, Model, Pose, ShadowCamera};
+use rimline_testkit::cases::{CORNERS, without_extent};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::{text, views};
@@ -58,15 +58,6 @@ fn eye() -> ShadowCamera {
     ShadowCamera { view_projection, origin: [0.0, 0.5, 6.0], depth: DepthDirection::Reversed }
 }
 
-/// A face of one vertex, a polygon that walks back, and a hole that fills its polygon: faces without extent, and no edge.
-fn meshes() -> Result<[Mesh; 3], String> {
-    let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-    let walked_back = PolygonLoops { polygon_loops: &[1], loop_sizes: &[4], loop_corners: &[0, 1, 1, 0] };
-    let filled = PolygonLoops { polygon_loops: &[2], loop_sizes: &[3, 3], loop_corners: &[0, 1, 2, 2, 1, 0] };
-    let [walked_back, filled] = [walked_back, filled].map(|loops| Mesh::from_polygons(&corners, loops, Weld::Keep));
-    Ok([Mesh::from_faces(1, vec![[0; 3]]).map_err(text)?, walked_back.map_err(text)?, filled.map_err(text)?])
-}
-
 /// By each method, with clusters and without.
 fn without_edges() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
@@ -76,12 +67,11 @@ fn without_edges() -> Result<(), String> {
         let options = SceneOptions { counting, clusters_from, stencil, ..SceneOptions::default() };
         let [mut alone, mut beside, mut reference] =
             [Stage::new(gpu, options, false)?, Stage::new(gpu, options, true)?, Stage::new(gpu, options, true)?];
-        let positions = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-        let buffer = gpu.storage(&positions);
-        for mesh in meshes()? {
+        let buffer = gpu.storage(&CORNERS);
+        for mesh in without_extent().into_iter().filter(|mesh| mesh.polygons().is_none()) {
             same("edges", &[mesh.edges().is_empty()], &[true])?;
             for scene in [&mut alone.scene, &mut beside.scene] {
-                let handle = scene.add_mesh(&mesh, &positions).map_err(text)?;
+                let handle = scene.add_mesh(&mesh, &CORNERS).map_err(text)?;
                 scene.insert(Caster::rigid(handle, IDENTITY)).map_err(text)?;
                 let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
                 scene.insert(Caster { in_depth: false, ..Caster::in_buffer(handle, positions) }).map_err(text)?;

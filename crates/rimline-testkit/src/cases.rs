@@ -1,7 +1,7 @@
 //! Meshes of every topology, and positions at every scale.
 
 use crate::shapes::{self, Shape};
-use rimline::mesh::Weld;
+use rimline::mesh::{PolygonLoops, Weld};
 use rimline::{Light, Mesh};
 
 use super::random::Random;
@@ -30,6 +30,24 @@ pub fn topologies() -> Vec<Case> {
         case("three sheets", shapes::three_sheets(5)),
         case("soup", soup),
     ]
+}
+
+/// Three corners, of a triangle or of [`without_extent`].
+pub const CORNERS: [[f32; 3]; 3] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+
+/// Meshes whose only face has no extent, and so no edge: a face of one vertex; an edge walked both ways and a hole that is
+/// its loop, each as triangles and then as a polygon.
+pub fn without_extent() -> [Mesh; 5] {
+    let walked_back = PolygonLoops { polygon_loops: &[1], loop_sizes: &[4], loop_corners: &[0, 1, 1, 0] };
+    let filled = PolygonLoops { polygon_loops: &[2], loop_sizes: &[3, 3], loop_corners: &[0, 1, 2, 2, 1, 0] };
+    [
+        Mesh::from_faces(1, vec![[0; 3]]),
+        Mesh::from_polygons(&CORNERS, walked_back, Weld::Keep),
+        Mesh::from_polygons_by_loop(&CORNERS, walked_back, Weld::Keep),
+        Mesh::from_polygons(&CORNERS, filled, Weld::Keep),
+        Mesh::from_polygons_by_loop(&CORNERS, filled, Weld::Keep),
+    ]
+    .map(|mesh| mesh.expect("a face without extent is one"))
 }
 
 /// Faces over a few random vertices: most edges have many faces, some faces are duplicates, some degenerate.
