@@ -202,10 +202,10 @@ fn every_face() -> Result<(), String> {
     each_class(&renderer, &[Counting::Auto, Counting::ZFail], |class| !class.name.contains("shadow, light"))
 }
 
-/// The first frame of some classes.
+/// A frame of some classes, of which the rays are traced once for all tests.
 fn each_class(renderer: &Renderer<'_>, methods: &[Counting], takes: impl Fn(&Class) -> bool) -> Result<(), String> {
     for class in CLASSES.iter().filter(|class| takes(class)) {
-        let traced = Traced::new(class, 7);
+        let traced = renderer.gpu.kept(class.name, || Ok(Traced::new(class, 7)))?;
         for &counting in methods {
             traced.check(renderer, counting, !class.touches).map_err(|error| format!("{}: {error}", class.name))?;
         }
