@@ -13,7 +13,7 @@ use rimline::internals::depth_map::DepthMapNearCap;
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
-use rimline_testkit::passes::depth_pass;
+use rimline_testkit::passes::{depth_pass, map_pipelines};
 use wgpu::TextureFormat;
 
 use crate::maps::Map;
@@ -85,20 +85,9 @@ impl Maps {
     }
 }
 
-/// Pipelines for eyes of a format, which draw into these bits. Tests share them.
-pub(crate) fn pipelines_of(
-    gpu: &Gpu,
-    format: &ShadowFormat,
-    bits: Range<u32>,
-) -> Result<Arc<DepthMapPipelines>, String> {
-    gpu.kept(&format!("{format:?} {bits:?}"), || {
-        DepthMapPipelines::antialiased(&gpu.pipelines, format, bits.clone()).map_err(text)
-    })
-}
-
-/// The same for a direction of depth.
+/// Pipelines for a direction of depth, which draw into these bits.
 pub(crate) fn pipelines(gpu: &Gpu, depth: DepthDirection, bits: Range<u32>) -> Result<Arc<DepthMapPipelines>, String> {
-    pipelines_of(gpu, &ShadowFormat { depth, ..Default::default() }, bits)
+    map_pipelines(gpu, &ShadowFormat { depth, ..Default::default() }, bits)
 }
 
 pub(crate) enum Volumes {
@@ -215,7 +204,7 @@ impl<'a> Target<'a> {
     pub(crate) fn draw(&self, gpu: &Gpu, maps: &Maps, options: DepthMapOptions) -> Result<(Vec<u8>, Encoded), String> {
         let Self { eye, depths, format, samples, ref bits } = *self;
         let shadow_format = ShadowFormat { depth_stencil: format, depth: eye.depth, samples, ..Default::default() };
-        let pipelines = pipelines_of(gpu, &shadow_format, bits.clone())?;
+        let pipelines = map_pipelines(gpu, &shadow_format, bits.clone())?;
         let side = (depths.len() / samples as usize).isqrt() as u32;
         let target = sampled(gpu, [side; 2], (format, samples), depths)?;
         let view = target.create_view(&wgpu::TextureViewDescriptor::default());

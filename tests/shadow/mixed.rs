@@ -1,11 +1,12 @@
 //! Volumes of meshes and of a depth map in one stencil: counts own the low bits, parity the high ones.
 
 use glam::DVec3;
-use rimline::gpu::depth_map::{DepthMap, DepthMapOptions, DepthMapPipelines};
+use rimline::gpu::depth_map::{DepthMap, DepthMapOptions};
 use rimline::gpu::{SceneOptions, ShadowFormat, StencilCounts};
 use rimline::{Counting, Light};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::on_gpu::text;
+use rimline_testkit::passes::map_pipelines;
 use rimline_testkit::random::Random;
 use rimline_testkit::shapes::{self, Shape};
 use rimline_testkit::{made_anew, must_fail, same};
@@ -96,7 +97,7 @@ fn share() -> Result<(), String> {
         wrapped += counts.iter().filter(|&&count| u32::from(count) >= 1 << count_bits).count();
         let of_bits = |bits| {
             let format = ShadowFormat { depth: frame.eye.depth, count_bits: bits, ..Default::default() };
-            DepthMapPipelines::antialiased(&gpu.pipelines, &format, count_bits..8).map_err(text)
+            map_pipelines(gpu, &format, count_bits..8)
         };
         let (shared, all) = (of_bits(count_bits)?, of_bits(8)?);
         let what = format!("{placing:?} {counting:?} {parity_bits} {is_first}");
@@ -132,7 +133,7 @@ fn batches() -> Result<(), String> {
         // With 8 bits of counts no bit is left for a map.
         let first_bit = count_bits.min(7);
         let format = ShadowFormat { depth: frame.eye.depth, count_bits: first_bit, ..Default::default() };
-        let pipelines = DepthMapPipelines::antialiased(&gpu.pipelines, &format, first_bit..8).map_err(text)?;
+        let pipelines = map_pipelines(gpu, &format, first_bit..8)?;
         let options = DepthMapOptions::default();
         let beside = (count_bits < 8).then_some(Beside { map, pipelines: &pipelines, options, is_first: true });
         let stencil = StencilCounts { bound_counts: true, count_bits, ..StencilCounts::default() };

@@ -1,10 +1,22 @@
 //! Textures of depth and stencil, and passes that draw into them.
 
+use std::ops::Range;
+use std::sync::Arc;
+
 use rimline::gpu::ShadowFormat;
+use rimline::gpu::depth_map::DepthMapPipelines;
 use rimline::{DepthDirection, ShadowCamera};
 
 use crate::device::Gpu;
+use crate::on_gpu::text;
 use crate::pipelines::{Drawing, SURFACE, depth, group};
+
+/// Pipelines of volumes of depth maps for eyes of a format, which draw into these bits. Tests share them.
+pub fn map_pipelines(gpu: &Gpu, format: &ShadowFormat, bits: Range<u32>) -> Result<Arc<DepthMapPipelines>, String> {
+    gpu.kept(&format!("{format:?} {bits:?}"), || {
+        DepthMapPipelines::antialiased(&gpu.pipelines, format, bits.clone()).map_err(text)
+    })
+}
 
 /// A texture of one level, layer and sample, which passes draw into and shaders read.
 pub fn texture([width, height]: [u32; 2], format: wgpu::TextureFormat) -> wgpu::TextureDescriptor<'static> {
