@@ -7,12 +7,11 @@ use num_bigint::BigInt;
 use rimline::mesh::{PolygonLoops, Weld, WeldDistance};
 use rimline::{Geometry, GeometryOptions, Influences, Mesh};
 use rimline_testkit::random::Random;
-use rimline_testkit::shadow_oracle::decode;
+use rimline_testkit::shadow_oracle::scaled;
 
 /// A finite float in multiples of 2⁻¹⁴⁹.
 fn integer(value: f32) -> BigInt {
-    let (mantissa, exponent) = decode(value);
-    if mantissa == 0 { BigInt::ZERO } else { BigInt::from(mantissa) << (exponent + 149) }
+    scaled(value, 149)
 }
 
 fn square_of_distance(a: [f32; 3], b: [f32; 3]) -> BigInt {

@@ -2,15 +2,14 @@
 
 use num_bigint::{BigInt, Sign};
 use rimline::Light;
-use rimline_testkit::shadow_oracle::decode;
+use rimline_testkit::shadow_oracle::scaled;
 
 /// A homogeneous point in integers.
 pub(crate) type Point = [BigInt; 4];
 
 /// `value · 2^298` as an integer, if all of its digits are there: so for each finite f32.
 fn integer(value: f32) -> BigInt {
-    let (mantissa, exponent) = decode(value);
-    if mantissa == 0 { BigInt::ZERO } else { BigInt::from(mantissa) << (exponent + 298) }
+    scaled(value, 298)
 }
 
 pub(crate) fn corner([x, y, z]: [f32; 3]) -> Point {

@@ -8,7 +8,7 @@ use rimline::Light;
 pub type Vector = [BigInt; 3];
 
 /// A finite f32 as `mantissa · 2^exponent`; zero has the highest exponent there is, so that it never sets a scale.
-pub fn decode(value: f32) -> (i32, i32) {
+fn decode(value: f32) -> (i32, i32) {
     let bits = value.to_bits();
     let (exponent, fraction) = ((bits >> 23 & 0xff) as i32, (bits & 0x7f_ffff) as i32);
     let (mantissa, exponent) = match (exponent, fraction) {
