@@ -247,11 +247,6 @@ fn base() -> Shape {
     Shape { positions, faces: vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]] }
 }
 
-fn wall() -> Shape {
-    let positions = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
-    Shape { positions, faces: vec![[0, 1, 2], [0, 2, 3]] }
-}
-
 /// `count` bodies at random positions on the ground.
 fn strewn(seed: u64, count: usize, far: f32, shape: &Shape, scale: impl Fn(&mut Random) -> [f32; 3]) -> Vec<Shape> {
     let mut random = Random::new(seed);
@@ -287,7 +282,7 @@ fn of_the_paper() -> Vec<Setting> {
         ("solids", solids.collect()),
         ("tetrahedra 1", tetrahedra(-3.0)),
         ("tetrahedra 2", tetrahedra(4.0)),
-        ("cubes", cubes.chain([placed(&wall(), [14.0, 14.0, 1.0], [0.0, 0.0, -3.0])]).collect()),
+        ("cubes", cubes.chain([placed(&shapes::square(), [14.0, 14.0, 1.0], [0.0, 0.0, -3.0])]).collect()),
     ];
     let (eye, target, ground) = ([6.0, -26.0, 11.0], [0.0, 0.0, -1.0], -5.0);
     let setting =
@@ -322,6 +317,6 @@ fn forest(faces: usize) -> Setting {
 fn building(faces: usize) -> Setting {
     let far = 40.0 * (faces as f32 / 1e5).sqrt();
     let mut bodies = strewn(6, faces.saturating_sub(2) / 12, far, &shapes::cube(), |_| [0.4, 0.4, 1.0]);
-    bodies.push(placed(&wall(), [far + 10.0, far + 10.0, 1.0], [0.0, 0.0, 4.0]));
+    bodies.push(placed(&shapes::square(), [far + 10.0, far + 10.0, 1.0], [0.0, 0.0, 4.0]));
     large("building", bodies, [0.1, 0.2, 1.0], [far, 2.5, 1.0])
 }

@@ -44,11 +44,6 @@ fn soup(random: &mut Random) -> Shape {
     Shape { positions, faces: (0..count).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect() }
 }
 
-fn wall() -> Shape {
-    let positions = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
-    Shape { positions, faces: vec![[0, 1, 2], [0, 2, 3]] }
-}
-
 fn shape(random: &mut Random) -> Shape {
     match random.below(8) {
         0 | 1 => shapes::cube(),
@@ -57,7 +52,7 @@ fn shape(random: &mut Random) -> Shape {
         4 => shapes::moebius(6, 1),
         5 => circle(),
         6 => soup(random),
-        _ => wall(),
+        _ => shapes::square(),
     }
 }
 

@@ -32,20 +32,15 @@ struct Body {
     rows: Matrix3x4,
 }
 
-fn sheet() -> Shape {
-    let positions = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
-    Shape { positions, faces: vec![[0, 1, 2], [0, 2, 3]] }
-}
-
 fn shapes() -> [Shape; 3] {
-    [shapes::cube(), shapes::sphere(2), sheet()]
+    [shapes::cube(), shapes::sphere(2), shapes::square()]
 }
 
 /// Occluders of a mesh: sides of the cube, counter-clockwise seen from outside, faces of the sphere, the sheet from both
 /// sides.
 fn occluders(mesh: usize) -> Vec<Vec<[f32; 3]>> {
     if mesh == 2 {
-        return vec![sheet().positions];
+        return vec![shapes::square().positions];
     }
     if mesh == 1 {
         let Shape { positions, faces } = shapes::sphere(2);

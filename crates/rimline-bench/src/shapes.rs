@@ -179,6 +179,12 @@ pub fn cube() -> Shape {
     shape
 }
 
+/// An open square of two faces, from −1 to 1 on x and y, whose front is towards +z.
+pub fn square() -> Shape {
+    let positions = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+    Shape { positions, faces: vec![[0, 1, 2], [0, 2, 3]] }
+}
+
 /// A closed cone whose apex and base centre are hubs of `n` faces each, at least 3: base radius 1 at y = 0, apex at
 /// y = 1. `2·n` faces. The hubs are what adjacency by short lists per vertex stumbles over.
 pub fn fan(n: u32) -> Shape {

@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 use rimline::Light;
-use rimline::internals::layout::ShadowShape;
+use rimline::internals::layout::{ShadowLight, ShadowShape, ShadowView};
 use rimline::internals::shadow::{
     self, CAST_BACK_FACING, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS_2005,
 };
@@ -176,6 +176,20 @@ fn published_frustum() -> Result<(), String> {
     Ok(())
 }
 
+/// Lights as a camera sees them, each of a caster that is moved along x.
+fn seen<const N: usize>(
+    random: &mut Random,
+    lights: [(Light, f32); N],
+) -> Result<Vec<(ShadowView, ShadowLight)>, String> {
+    let camera = Pose::random(random, DVec3::ZERO, 1.0).camera(0, false);
+    let view = shadow::view(&camera).map_err(text)?;
+    let seen = |(light, x)| {
+        let placement = [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+        (ShadowView { placement, ..view }, shadow::light(&camera, &view, light))
+    };
+    Ok(lights.map(seen).to_vec())
+}
+
 /// It begins as near to the light as any, where the caster may be anywhere.
 fn overflowing_frustum() -> Result<(), String> {
     let (gpu, mut random) = Gpu::seeded(204)?;
@@ -185,15 +199,8 @@ fn overflowing_frustum() -> Result<(), String> {
         [2, 1],
         "out[0].x = frustum_near_end(pair.view, pair.light, 1.0, input_position(0u), input_position(1u));",
     )?;
-    let camera = Pose::random(&mut random, DVec3::ZERO, 1.0).camera(0, false);
-    let seen = |light, x| {
-        let mut view = shadow::view(&camera).map_err(text)?;
-        let of_camera = shadow::light(&camera, &view, light);
-        view.placement = [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
-        Ok::<_, String>((view, of_camera))
-    };
     let [near, far] = [Light::point([0.0; 3]), Light::point([1.5e38; 3])];
-    let seen = [seen(near, 0.0)?, seen(far, 0.0)?, seen(Light::directional([0.0, 0.0, 1.0]), f32::MAX)?];
+    let seen = seen(&mut random, [(near, 0.0), (far, 0.0), (Light::directional([0.0, 0.0, 1.0]), f32::MAX)])?;
     let inputs = [
         (0, [[100.0; 3], [101.0; 3]]),
         // Infinity over itself.
@@ -268,15 +275,8 @@ fn overflow() -> Result<(), String> {
     receivers[5] = 1;
     receivers[6..9].fill((-1.0_f32).to_bits());
     receivers[9..12].fill(1.0_f32.to_bits());
-    let camera = Pose::random(&mut random, DVec3::ZERO, 1.0).camera(0, false);
-    let seen = |light, x| {
-        let mut view = shadow::view(&camera).map_err(text)?;
-        let of_camera = shadow::light(&camera, &view, light);
-        view.placement = [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
-        Ok::<_, String>((view, of_camera))
-    };
     let sun = Light::directional([0.0, 0.0, 1.0]);
-    let seen = [seen(sun, 0.0)?, seen(sun, f32::MAX)?, seen(Light::point([-1e33, 0.0, 0.0]), 0.0)?];
+    let seen = seen(&mut random, [(sun, 0.0), (sun, f32::MAX), (Light::point([-1e33, 0.0, 0.0]), 0.0)])?;
     let behind = [[-1.0, -1.0, -5.0], [1.0, 1.0, -4.0]];
     let huge = [[f32::MAX, -1.0, -5.0], [f32::MAX, 1.0, -4.0]];
     let found = probe.run(&gpu, &[(8, &gpu.storage(&receivers))], &seen, &[(0, behind), (1, huge), (2, huge)])?;
@@ -295,15 +295,8 @@ fn uncertain() -> Result<(), String> {
     let has_light = can_contain_light(pair.light, input_position(0u), input_position(1u));
     out[0] = vec4<f32>(select(0.0, 1.0, meets), select(0.0, 1.0, has_light), 0.0, 0.0);",
     )?;
-    let camera = Pose::random(&mut random, DVec3::ZERO, 1.0).camera(0, false);
-    let seen = |x, w| {
-        let mut view = shadow::view(&camera).map_err(text)?;
-        let mut light = shadow::light(&camera, &view, Light::point([0.0; 3]));
-        view.placement = [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
-        light.light[3] = w;
-        Ok::<_, String>((view, light))
-    };
-    let seen = [seen(0.0, 1.0)?, seen(f32::MAX, 4.0)?];
+    let mut seen = seen(&mut random, [0.0, f32::MAX].map(|x| (Light::point([0.0; 3]), x)))?;
+    seen[1].1.light[3] = 4.0;
     let rows = [
         ((0, [[100.0; 3], [101.0; 3]]), [0.0, 0.0]),
         ((0, [[-100.0; 3], [100.0; 3]]), [1.0, 1.0]),
