@@ -151,7 +151,7 @@ fn lit(
     before: impl FnOnce(&mut wgpu::RenderPass<'_>) -> Result<(), String>,
 ) -> Result<usize, String> {
     let format = wgpu::TextureFormat::Rgba8Unorm;
-    let pipeline = gpu.kept(&format!("lit {:?}", state.depth_compare), || {
+    let pipeline = gpu.kept(&format!("lit {state:?}"), || {
         let depth_stencil = Some(state.clone());
         let drawing = Drawing { source: WHOLE, depth_stencil, targets: &[Some(format.into())], ..Drawing::default() };
         Ok(drawing.pipeline(&gpu.device))

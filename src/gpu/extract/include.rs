@@ -30,7 +30,7 @@ use crate::stages::source;
 /// | `rimline_clip(view_projection: mat4x4<f32>, origin: vec3<f32>, position: vec3<f32>) -> vec4<f32>` | A position in clip space, in the same bits as light caps. z-fail needs a depth pass that computes positions so |
 /// | `rimline_faces_light(face: u32, light: u32) -> bool` | Whether a triangle faces the light |
 /// | `rimline_is_twisted(face: u32, light: u32) -> bool` | Whether the polygon of a triangle is twisted as seen from the light, so that it counts nowhere |
-/// | `rimline_has_light(light: u32) -> bool` | Whether the bound batch has the light, extracted or not |
+/// | `rimline_has_light(light: u32) -> bool` | Whether the encode has the light, in the bound batch |
 /// | `rimline_light_bit(light: u32) -> u32` | The light's bit in the masks of its batch |
 ///
 /// | member of `RimlineSilhouette` | |

@@ -14,7 +14,7 @@ pub enum RenderError {
         /// Why.
         why: String,
     },
-    /// The device refused something that it should do. What it drew since may be wrong.
+    /// The device refused something that it should do. Later pictures may be wrong.
     #[error("the device {name} refused what the viewer needs: {why}; a newer driver or another device may not")]
     Unexpected {
         /// Its name.

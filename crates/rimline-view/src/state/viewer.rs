@@ -296,7 +296,7 @@ impl Viewer {
         }
     }
 
-    /// Shows models of the viewer's own. Those of files are kept.
+    /// Shows models of the viewer's own. Models of files are kept.
     pub(super) fn replace(&mut self, bodies: Vec<Body>) {
         let bodies = std::mem::replace(&mut self.bodies, bodies);
         if !self.is_built_in && !bodies.is_empty() {
