@@ -122,7 +122,16 @@ fn filled(reader: &mut impl BufRead) -> io::Result<&[u8]> {
 impl<'a> Statement<'a> {
     /// Its words, without the comment.
     pub(crate) fn words(&self) -> impl Iterator<Item = &'a [u8]> + use<'a> {
-        let text = self.text.split(|&byte| byte == b'#').next().unwrap_or_default();
+        self.words_of(self.text.split(|&byte| byte == b'#').next().unwrap_or_default())
+    }
+
+    /// The words behind the first one, which are a name. Names may have a `#`, as `Material #25` has. Only one that is a
+    /// word begins a comment.
+    pub(crate) fn name(&self) -> impl Iterator<Item = &'a [u8]> + use<'a> {
+        self.words_of(self.text).skip(1).take_while(|word| *word != b"#")
+    }
+
+    fn words_of(&self, text: &'a [u8]) -> impl Iterator<Item = &'a [u8]> + use<'a> {
         let start = if self.line == 1 { text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text) } else { text };
         start.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
     }

@@ -101,7 +101,7 @@ impl<'a> Materials<'a> {
             let mut words = statement.words();
             match words.next() {
                 Some(b"newmtl") => {
-                    let new = joined(words);
+                    let new = joined(statement.name());
                     self.colors.insert(new.clone(), WHITE);
                     name = Some(new);
                 }
@@ -225,6 +225,19 @@ mod tests {
         }
         let file = read_bytes(square("in.mtl").as_bytes(), None, &ReadOptions::default())?;
         assert!(file.color_notes()[0].contains("only the OBJ was given"), "{:?}", file.color_notes());
+        Ok(())
+    }
+
+    #[test]
+    fn a_name_may_have_a_number_sign() -> Result<(), Box<dyn Error>> {
+        let folder = tempfile::tempdir()?;
+        let materials = "newmtl Material #1\nKd 1 0 0\nnewmtl Material #2 # grey\nKd .5\n";
+        std::fs::write(folder.path().join("a #2.mtl"), materials)?;
+        let vertices = "mtllib a #2.mtl # b.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n";
+        let text = format!("{vertices}usemtl Material #1\nf 1 2 3\nusemtl Material #2\nf 3 2 1 # 4\n");
+        let file = model(folder.path(), &text, Polygons::Triangles)?;
+        assert!(file.color_notes().is_empty(), "{:?}", file.color_notes());
+        assert_eq!(file.colors(0).and_then(|colors| colors.faces.clone()), Some(vec![RED, [GREY; 3]]));
         Ok(())
     }
 
