@@ -173,10 +173,12 @@ pub fn read(mut reader: impl BufRead + Seek, memory_limit: u64, are_whole: bool)
 impl Header {
     fn read(reader: &mut impl BufRead) -> Result<Self, PlyError> {
         let mut text = reader.by_ref().take(MAX_HEADER);
+        let has_returns = |first: &[u8]| first.starts_with(b"ply\r") && !matches!(first.get(4), Some(b'\r' | b'\n'));
+        let end = if has_returns(text.fill_buf()?) { b'\r' } else { b'\n' };
         let (mut encoding, mut elements) = (None, Vec::<Element>::new());
         let mut line = 0;
         loop {
-            let Some(header) = header_line(&mut text)? else { return Err(PlyError::Endless) };
+            let Some(header) = header_line(&mut text, end)? else { return Err(PlyError::Endless) };
             line += 1;
             let header = String::from_utf8_lossy(&header);
             let words: Vec<&str> = header.split_ascii_whitespace().take(6).collect();
@@ -217,11 +219,11 @@ impl Header {
     }
 }
 
-/// The next line without its end, LF or CR LF.
-fn header_line(text: &mut impl BufRead) -> io::Result<Option<Vec<u8>>> {
+/// The next line without its end: CR, or LF with or without a CR before.
+fn header_line(text: &mut impl BufRead, end: u8) -> io::Result<Option<Vec<u8>>> {
     let mut line = Vec::new();
-    text.read_until(b'\n', &mut line)?;
-    let whole = line.strip_suffix(b"\n");
+    text.read_until(end, &mut line)?;
+    let whole = line.strip_suffix(&[end]);
     Ok(whole.map(|line| line.strip_suffix(b"\r").unwrap_or(line).to_vec()))
 }
 
