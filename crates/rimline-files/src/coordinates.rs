@@ -2,7 +2,7 @@
 
 use rimline::Origin;
 
-/// A number. Rounded from `f64` to `f32`, it is the `f32` that is nearest to the text.
+/// A number. Rounded from `f64` to `f32`, it is the `f32` that is nearest to the text. For that it may be a step of `f64` off.
 pub(crate) fn number(text: &str) -> Option<f64> {
     let number: f64 = text.parse().ok()?;
     if !is_between(number) {

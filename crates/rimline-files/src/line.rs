@@ -8,7 +8,7 @@ pub(crate) struct Statements<R> {
     text: Vec<u8>,
     /// Lines read so far.
     count: usize,
-    /// Whether the last line was read, and has no end.
+    /// Whether the last line was read, and has no end. Then it counts as complete.
     pub(crate) is_cut: bool,
 }
 
