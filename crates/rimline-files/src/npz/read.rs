@@ -88,8 +88,10 @@ pub enum NpzError {
     Data { array: &'static str, row: usize, source: io::Error },
 }
 
+/// Names for a message. A file may have thousands of any length.
 pub(super) fn listed(names: &[String]) -> String {
-    if names.is_empty() { "none".into() } else { names.iter().take(12).cloned().collect::<Vec<_>>().join(", ") }
+    let beginning = |name: &String| name.chars().take(60).collect::<String>();
+    if names.is_empty() { "none".into() } else { names.iter().take(12).map(beginning).collect::<Vec<_>>().join(", ") }
 }
 
 /// A shape for a message. A file may have one of thousands of numbers.
@@ -450,6 +452,13 @@ mod tests {
         assert_eq!(index(element('i', 8, false), &[7, 0, 0, 0, 0, 0, 0, 0]), Ok(7));
         assert_eq!(index(element('i', 4, true), &[255, 255, 255, 254]), Err(-2));
         assert_eq!(index(element('u', 8, false), &[0, 0, 0, 0, 1, 0, 0, 0]), Err(1 << 32));
+    }
+
+    #[test]
+    fn a_message_shows_the_beginning_of_some_names() {
+        let names: Vec<String> = (0..100).map(|name| format!("{name}{}", "a".repeat(1000))).collect();
+        assert_eq!(listed(&names).len(), 12 * 62 - 2);
+        assert_eq!(listed(&["faces".to_owned(), "lights".to_owned()]), "faces, lights");
     }
 
     #[test]
