@@ -106,12 +106,13 @@ impl File {
         }
     }
 
-    /// The mesh, if polygons were taken whole. The model has their triangles.
+    /// The mesh, if polygons were taken whole. The model has their triangles. `None` if all faces of an OBJ or a PLY
+    /// are triangles.
     pub fn polygons(&self) -> Option<&Mesh> {
         self.polygons.as_deref()
     }
 
-    /// The polygons that were taken as triangles, if they were to be described.
+    /// The polygons that were taken as triangles, if they were to be described. `None` if all faces are triangles.
     pub fn described(&self) -> Option<&GivenPolygons> {
         self.described.as_deref()
     }

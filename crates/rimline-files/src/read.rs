@@ -78,7 +78,7 @@ impl ReadOptions {
     }
 }
 
-/// Opens a file that has an end: no folder, pipe or device.
+/// Opens a file that has content and an end: no folder, pipe or device, and none that is empty.
 ///
 /// # Errors
 /// An error of the system, or one that says which file to give.
