@@ -23,7 +23,7 @@ pub(crate) struct Statement<'a> {
 pub(crate) enum Next<'a> {
     Statement(Statement<'a>),
     End,
-    /// It has more bytes than allowed.
+    /// It has more bytes than allowed. The rest of it was not read.
     TooLong {
         line: usize,
     },

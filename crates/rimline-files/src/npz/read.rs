@@ -11,8 +11,8 @@ use zip::result::ZipError;
 use super::header::{ElementType, Header, HeaderError};
 use crate::charge::{self, CORNER, LOOP, POLYGON, VERTEX};
 
-/// Positions relative to an origin, those of an archive bit for bit, and triangles whose indices are below their number, or
-/// polygons.
+/// Positions relative to an origin, those of an archive and of a binary STL bit for bit, and triangles whose indices are
+/// below their number, or polygons.
 #[derive(Debug, Default, PartialEq)]
 pub struct Arrays {
     pub positions: Vec<[f32; 3]>,
@@ -232,8 +232,8 @@ pub(super) struct Head {
     extent: Extent,
 }
 
-/// An archive, and the memory that reading it may take, with everything that is made of it. What is charged is the peak
-/// of the memory in use at one time.
+/// An archive, and the memory that reading it may take, with everything that is made of it. What is charged is at least the
+/// peak of the memory in use at one time: nothing is taken off again.
 pub(super) struct Archive<R> {
     zip: ZipArchive<R>,
     limit: u64,
