@@ -41,9 +41,9 @@ pub(crate) struct Collected {
     /// Linear colours of the first faces and vertices; the others are white.
     face_colors: Vec<[f32; 3]>,
     vertex_colors: Vec<[f32; 3]>,
-    /// Where those of the face that is being read begin.
+    /// Corners of the faces that are complete: where those of the face that is being read begin.
     complete: usize,
-    /// The faces so far, as long as all of them are triangles.
+    /// The faces so far, as long as all of them are triangles. Counted only if polygons `are_whole`.
     triangles: usize,
     /// Whether a mesh of polygons is made of polygons.
     are_whole: bool,
@@ -81,7 +81,7 @@ impl Collected {
         Ok(())
     }
 
-    /// The colour of the last vertex.
+    /// The colour of the last vertex, which has none yet.
     pub(crate) fn color_vertex(&mut self, color: [f32; 3]) -> Result<(), Refused> {
         let (old, new) = (self.vertex_colors.len(), self.positions.len());
         self.charge((LISTED_COLOR + WELDED_COLOR) * new.saturating_sub(old) as u64)?;
@@ -90,7 +90,7 @@ impl Collected {
         Ok(())
     }
 
-    /// The colour of the faces since the last call.
+    /// The colour of the complete faces since the last call.
     pub(crate) fn color_faces(&mut self, color: [f32; 3]) -> Result<(), Refused> {
         let faces = self.sizes.get(self.face_colors.len()..).unwrap_or_default();
         let corners = faces.iter().map(|&size| u64::from(size)).sum::<u64>();
@@ -154,7 +154,7 @@ impl Collected {
     }
 
     /// Positions relative to an origin near them, and triangles if all faces are, else polygons. All corners must be
-    /// below the number of vertices. `None` without faces.
+    /// below the number of vertices; nothing checks them here. `None` without faces.
     pub(crate) fn finish(mut self) -> Result<Option<Arrays>, Refused> {
         if self.sizes.is_empty() {
             return Ok(None);

@@ -2,9 +2,9 @@
 
 use rimline::Origin;
 
-/// A number. Rounded from `f64` to `f32`, it is the `f32` that is nearest to the text.
+/// A number. Rounded from `f64` to `f32`, it is the `f32` that is nearest to the text. For that it may be a step of `f64` off.
 pub(crate) fn number(text: &str) -> Option<f64> {
-    let number: f64 = text.parse().ok()?;
+    let number: f64 = text.parse().ok().or_else(|| not_finite(text))?;
     if !is_between(number) {
         return Some(number);
     }
@@ -17,6 +17,19 @@ pub(crate) fn number(text: &str) -> Option<f64> {
     } else {
         number.next_down()
     })
+}
+
+/// NaN and infinity as libraries of C write them, such as `-nan(ind)`, `1.#QNAN` and `-1.#INF00`.
+fn not_finite(text: &str) -> Option<f64> {
+    let magnitude = text.strip_prefix('-').unwrap_or(text);
+    let is_nan = magnitude.strip_prefix("nan(").is_some_and(|kind| kind.ends_with(')'));
+    match magnitude.strip_prefix("1.#") {
+        Some(kind) if kind.starts_with("INF") => {
+            Some(if text.starts_with('-') { f64::NEG_INFINITY } else { f64::INFINITY })
+        }
+        Some(kind) if ["QNAN", "SNAN", "IND"].iter().any(|nan| kind.starts_with(nan)) => Some(f64::NAN),
+        _ => is_nan.then_some(f64::NAN),
+    }
 }
 
 /// Whether a number may lie in the middle of two neighbouring `f32`.
@@ -78,6 +91,11 @@ mod tests {
             assert_eq!((double as f32).to_bits(), single.to_bits(), "{text}");
         }
         assert!(number("nan").is_some_and(f64::is_nan) && number("zero").is_none() && number("1,5").is_none());
+        for text in ["-nan", "nan(snan)", "-nan(ind)", "1.#QNAN", "-1.#IND00"] {
+            assert!(number(text).is_some_and(f64::is_nan), "{text}");
+        }
+        assert_eq!([number("1.#INF"), number("-1.#INF00")], [Some(f64::INFINITY), Some(f64::NEG_INFINITY)]);
+        assert_eq!(["nan(", "1.#", "1.#2", "-", "--nan(ind)"].map(number), [None; 5]);
         // Where it is no middle, nothing is moved.
         assert_eq!(number("392143.517"), Some(392_143.517));
     }

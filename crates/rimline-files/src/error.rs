@@ -28,13 +28,14 @@ pub enum FileError {
         /// The ending, or what stands for it.
         what: String,
     },
-    /// It is certainly of a format that is not read.
+    /// It is certainly of a format that is not read, or its beginning, which says the format, cannot be read.
     #[error(transparent)]
     Foreign(#[from] FormatError),
-    /// The fault of a glTF.
+    /// The fault of a glTF, or of its animations.
     #[error(transparent)]
     Gltf(GltfError),
-    /// It takes more memory than [`ReadOptions::memory_limit`](crate::ReadOptions::memory_limit).
+    /// A glTF takes more memory than [`ReadOptions::memory_limit`](crate::ReadOptions::memory_limit). The faults of other
+    /// formats have variants of their own for it.
     #[error(
         "{what}: this needs a --memory-limit of at least {}, and the limit is {}; give a larger one if it is meant to be \
          that large", size(*.needed), size(*.limit)

@@ -27,7 +27,7 @@ pub struct File {
 #[derive(Debug)]
 pub(crate) enum Content {
     Gltf(Box<Asset>),
-    /// Positions in world space less the origin, welded: one geometry, one instance.
+    /// Positions in world space less the origin: one geometry, one instance. It is welded, unless its polygons are whole.
     World(Model),
 }
 
@@ -36,7 +36,7 @@ pub(crate) enum Content {
 pub struct GivenPolygons {
     /// A mesh of polygons.
     pub mesh: Mesh,
-    /// Positions of the file, which the mesh is of.
+    /// Positions of the file, which the mesh is of, relative to the origin that the file had when it was read.
     pub positions: Vec<[f32; 3]>,
 }
 
@@ -98,7 +98,7 @@ impl File {
         &self.color_notes
     }
 
-    /// Positions in world space less the origin, bit for bit, of a file that is no glTF.
+    /// Positions in world space less the origin, of a file that is no glTF: those of its model, bit for bit.
     pub fn world_positions(&self) -> Option<&[[f32; 3]]> {
         match &self.content {
             Content::Gltf(_) => None,
@@ -106,25 +106,27 @@ impl File {
         }
     }
 
-    /// The mesh, if polygons were taken whole. The model has their triangles.
+    /// The mesh, if polygons were taken whole. The model has their triangles. `None` if all faces of an OBJ or a PLY
+    /// are triangles.
     pub fn polygons(&self) -> Option<&Mesh> {
         self.polygons.as_deref()
     }
 
-    /// The polygons that were taken as triangles, if they were to be described.
+    /// The polygons that were taken as triangles, if they were to be described. `None` if all faces are triangles.
     pub fn described(&self) -> Option<&GivenPolygons> {
         self.described.as_deref()
     }
 
-    /// Result of welding one of the model's geometries.
+    /// Result of welding one of the model's geometries; zeros if a glTF has no such geometry.
     pub fn weld_counts(&self, geometry: usize) -> WeldCounts {
         self.asset().map_or(self.weld, |asset| asset.weld_counts(geometry).unwrap_or_default())
     }
 
-    /// Where the instances are while these animations play, by their indices in the file.
+    /// Where the instances are while these animations play, by their indices in the file. Only a glTF has animations: other
+    /// files rest, and do not look at either argument.
     ///
     /// # Errors
-    /// [`FileError::Gltf`] if animations are not there, are damaged, or move the same.
+    /// [`FileError::Gltf`] if animations of a glTF are not there, are damaged, or move the same.
     pub fn pose(&self, animations: &[usize], time_s: f32) -> Result<Pose, FileError> {
         match self.asset() {
             Some(asset) => asset.pose(animations.iter().copied(), time_s).map_err(FileError::Gltf),
@@ -142,8 +144,8 @@ impl File {
         self.asset().map_or(&self.named_files, Asset::named_files)
     }
 
-    /// Parts of the file that the reader skipped or changed. Positions that are not finite are counted apart:
-    /// [`File::non_finite`].
+    /// Parts of a glTF that the reader skipped or changed; other files have none. Positions that are not finite are counted
+    /// apart: [`File::non_finite`].
     pub fn warnings(&self) -> impl Iterator<Item = &GltfWarning> {
         let is_reported = |warning: &&GltfWarning| !matches!(warning, GltfWarning::NonFinite { is_target: false, .. });
         self.asset().map_or(&[][..], Asset::warnings).iter().filter(is_reported)

@@ -1,4 +1,5 @@
-//! Statements of a file of text, such as an OBJ: lines joined where they end in a backslash. A line ends in LF, CR LF or CR.
+//! Statements of a file of text, such as an OBJ: lines, joined where they end in a backslash unless each is to be a statement.
+//! A line ends in LF, CR LF or CR.
 
 use std::io::{self, BufRead, ErrorKind};
 
@@ -6,9 +7,11 @@ use std::io::{self, BufRead, ErrorKind};
 pub(crate) struct Statements<R> {
     reader: R,
     text: Vec<u8>,
+    /// Whether a backslash at the end of a line joins it with the next one.
+    joins_lines: bool,
     /// Lines read so far.
     count: usize,
-    /// Whether the last line was read, and has no end.
+    /// Whether the last line was read, and has no end. It is a statement all the same.
     pub(crate) is_cut: bool,
 }
 
@@ -23,7 +26,7 @@ pub(crate) struct Statement<'a> {
 pub(crate) enum Next<'a> {
     Statement(Statement<'a>),
     End,
-    /// It has more bytes than allowed.
+    /// It has more bytes than allowed. The rest of it was not read.
     TooLong {
         line: usize,
     },
@@ -31,7 +34,12 @@ pub(crate) enum Next<'a> {
 
 impl<R: BufRead> Statements<R> {
     pub(crate) fn new(reader: R) -> Self {
-        Self { reader, text: Vec::new(), count: 0, is_cut: false }
+        Self { reader, text: Vec::new(), joins_lines: true, count: 0, is_cut: false }
+    }
+
+    /// Each line is a statement, even where it ends in a backslash, as the name of a folder may.
+    pub(crate) fn of_lines(reader: R) -> Self {
+        Self { joins_lines: false, ..Self::new(reader) }
     }
 
     /// The next statement, of at most `most` bytes with the end of its line.
@@ -53,7 +61,7 @@ impl<R: BufRead> Statements<R> {
             // Only what is new is searched, since a statement may go on for a million lines.
             is_comment |= self.text.get(start..).is_some_and(|new| new.contains(&b'#'));
             // Comments do not go on: one may end in a folder's name, such as `C:\models\`.
-            if self.text.last() != Some(&b'\\') || is_comment {
+            if self.text.last() != Some(&b'\\') || is_comment || !self.joins_lines {
                 return Ok(Next::Statement(Statement { line, text: &self.text }));
             }
             if let Some(last) = self.text.last_mut() {
@@ -122,7 +130,16 @@ fn filled(reader: &mut impl BufRead) -> io::Result<&[u8]> {
 impl<'a> Statement<'a> {
     /// Its words, without the comment.
     pub(crate) fn words(&self) -> impl Iterator<Item = &'a [u8]> + use<'a> {
-        let text = self.text.split(|&byte| byte == b'#').next().unwrap_or_default();
+        self.words_of(self.text.split(|&byte| byte == b'#').next().unwrap_or_default())
+    }
+
+    /// The words behind the first one, which are a name. Names may have a `#`, as `Material #25` has. Only one that is a
+    /// word begins a comment.
+    pub(crate) fn name(&self) -> impl Iterator<Item = &'a [u8]> + use<'a> {
+        self.words_of(self.text).skip(1).take_while(|word| *word != b"#")
+    }
+
+    fn words_of(&self, text: &'a [u8]) -> impl Iterator<Item = &'a [u8]> + use<'a> {
         let start = if self.line == 1 { text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text) } else { text };
         start.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
     }

@@ -12,7 +12,7 @@ use crate::line::{Next, Statements};
 const MAX_BYTES: u64 = 16 << 20;
 /// Bytes of a name that count.
 const MAX_NAME: usize = 4096;
-/// So many .mtl files are read at most.
+/// So many names of .mtl files are looked up at most. The same one several times in turn is one.
 const MAX_FILES: usize = 64;
 /// Bytes of memory that each byte of an .mtl file may take: a material of a short name takes most.
 pub(crate) const BYTES: u64 = 20;
@@ -57,7 +57,7 @@ impl<'a> Materials<'a> {
         color.unwrap_or(WHITE)
     }
 
-    /// Reads a file that an OBJ names in this line, of at most `most` bytes. Returns how many it has.
+    /// Reads a file that an OBJ names in this line, of at most `most` bytes. Returns how many it has, or 0 if it is not read.
     pub(crate) fn read(&mut self, line: usize, name: &str, most: u64) -> u64 {
         if self.files.len() == MAX_FILES {
             return 0;
@@ -74,7 +74,12 @@ impl<'a> Materials<'a> {
         // Exporters write paths of their own machine, too.
         let alone = name.rsplit('/').next().unwrap_or_default();
         let found = inside(folder, &name).or_else(|_| inside(folder, alone));
-        self.files.push(found.as_ref().map_or_else(|_| folder.join(alone), PathBuf::clone));
+        let file = found.as_ref().map_or_else(|_| folder.join(alone), PathBuf::clone);
+        // Some programs name the same file before each object.
+        if self.files.last() == Some(&file) {
+            return 0;
+        }
+        self.files.push(file);
         found.and_then(|path| self.take(&path, most.min(MAX_BYTES))).unwrap_or_else(|error| {
             self.notes.push(format!("line {line}: {:?} is not read: {error}; its faces are white", shortened(&name)));
             0
@@ -96,12 +101,12 @@ impl<'a> Materials<'a> {
     /// # Errors
     /// An error of the reader.
     pub fn parse(&mut self, reader: impl BufRead) -> io::Result<()> {
-        let (mut lines, mut name) = (Statements::new(reader), None);
+        let (mut lines, mut name) = (Statements::of_lines(reader), None);
         while let Next::Statement(statement) = lines.next(MAX_BYTES)? {
             let mut words = statement.words();
             match words.next() {
                 Some(b"newmtl") => {
-                    let new = joined(words);
+                    let new = joined(statement.name());
                     self.colors.insert(new.clone(), WHITE);
                     name = Some(new);
                 }
@@ -225,6 +230,31 @@ mod tests {
         }
         let file = read_bytes(square("in.mtl").as_bytes(), None, &ReadOptions::default())?;
         assert!(file.color_notes()[0].contains("only the OBJ was given"), "{:?}", file.color_notes());
+        Ok(())
+    }
+
+    #[test]
+    fn a_name_may_have_a_number_sign() -> Result<(), Box<dyn Error>> {
+        let folder = tempfile::tempdir()?;
+        let materials = "newmtl Material #1\nKd 1 0 0\nmap_Kd C:\\maps\\\nnewmtl Material #2 # grey\nKd .5\n";
+        std::fs::write(folder.path().join("a #2.mtl"), materials)?;
+        let vertices = "mtllib a #2.mtl # b.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n";
+        let text = format!("{vertices}usemtl Material #1\nf 1 2 3\nusemtl Material #2\nf 3 2 1 # 4\n");
+        let file = model(folder.path(), &text, Polygons::Triangles)?;
+        assert!(file.color_notes().is_empty(), "{:?}", file.color_notes());
+        assert_eq!(file.colors(0).and_then(|colors| colors.faces.clone()), Some(vec![RED, [GREY; 3]]));
+        Ok(())
+    }
+
+    #[test]
+    fn a_file_that_is_named_again_is_read_once() -> Result<(), Box<dyn Error>> {
+        let folder = tempfile::tempdir()?;
+        std::fs::write(folder.path().join("a.mtl"), "newmtl red\nKd 1 0 0\n")?;
+        let names = ["none.mtl", "a.mtl"].map(|name| format!("mtllib {name}\n").repeat(100)).concat();
+        let text = names + "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n";
+        let file = model(folder.path(), &text, Polygons::Triangles)?;
+        assert_eq!(file.colors(0).and_then(|colors| colors.faces.clone()), Some(vec![RED]));
+        assert_eq!((file.color_notes().len(), file.named_files().len()), (1, 2));
         Ok(())
     }
 

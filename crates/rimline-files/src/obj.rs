@@ -149,10 +149,10 @@ impl Obj<'_, '_> {
             Some(b"v") => self.vertex(words),
             Some(b"f" | b"fo") => self.face(line, words),
             Some(b"usemtl") => {
-                let before = self.color.replace(self.materials.color(line, &joined(words)));
+                let before = self.color.replace(self.materials.color(line, &joined(statement.name())));
                 Ok(self.model.color_faces(before.unwrap_or(WHITE))?)
             }
-            Some(b"mtllib") => self.library(line, words),
+            Some(b"mtllib") => self.library(line, statement.name()),
             Some(b"call") => Err(LineFault::Call),
             Some(b"csh") => Err(LineFault::Program),
             // Faces say the same as all other statements of curved surfaces.

@@ -31,7 +31,7 @@ pub struct Settled {
 /// of those that need one: what is far from it is large, too.
 ///
 /// # Errors
-/// The number of a file that has no such pose, and what is wrong with it.
+/// The index of a file that has no such pose, and what is wrong with it.
 pub fn settle(files: &mut [(&mut File, &[usize])], time_s: f32) -> Result<Settled, (usize, FileError)> {
     let at = |index: usize| move |error: GltfError| (index, FileError::Gltf(error));
     let of =
@@ -75,7 +75,9 @@ impl File {
         Origin::near(extent.bounds, smallest_edge)
     }
 
-    /// Where the model is at one time. `None` if nothing has a finite position.
+    /// The size of the model and its rounding at one time. `None` if nothing has a finite position. The bounds are in world
+    /// space only for a glTF. Those of other files are relative to [`File::origin`], and may leave faces out: they tell the
+    /// size, not where the model is.
     ///
     /// # Errors
     /// [`GltfError`] as for [`File::pose`].
@@ -89,7 +91,7 @@ impl File {
         }
     }
 
-    /// Makes positions, poses and lights relative to another origin.
+    /// Makes positions, poses and lights relative to another origin. The positions of [`File::described`] stay.
     ///
     /// # Errors
     /// [`FileError`] if the moved positions make no model.
@@ -104,7 +106,8 @@ impl File {
     }
 }
 
-/// Where the faces are. Positions are relative to the origin already; without one a part of the faces may tell enough.
+/// Bounds of the positions as they are, which are relative to the origin. Without one a part of the faces may tell enough:
+/// then the bounds are those of that part, and the rounding is that of all vertices.
 fn extent(geometry: &Geometry, origin: Origin) -> Option<SceneExtent> {
     let (positions, faces) = (geometry.positions(), geometry.faces());
     let double = |position: &[f32; 3]| position.map(f64::from);

@@ -78,7 +78,7 @@ impl ElementFault {
     fn at(self, element: &str, index: u64) -> PlyError {
         match self {
             Self::Read(error) => PlyError::Read(error),
-            fault => PlyError::Element { element: element.into(), index, fault },
+            fault => PlyError::Element { element: shown(element.as_bytes()), index, fault },
         }
     }
 }
@@ -173,10 +173,12 @@ pub fn read(mut reader: impl BufRead + Seek, memory_limit: u64, are_whole: bool)
 impl Header {
     fn read(reader: &mut impl BufRead) -> Result<Self, PlyError> {
         let mut text = reader.by_ref().take(MAX_HEADER);
+        let has_returns = |first: &[u8]| first.starts_with(b"ply\r") && !matches!(first.get(4), Some(b'\r' | b'\n'));
+        let end = if has_returns(text.fill_buf()?) { b'\r' } else { b'\n' };
         let (mut encoding, mut elements) = (None, Vec::<Element>::new());
         let mut line = 0;
         loop {
-            let Some(header) = header_line(&mut text)? else { return Err(PlyError::Endless) };
+            let Some(header) = header_line(&mut text, end)? else { return Err(PlyError::Endless) };
             line += 1;
             let header = String::from_utf8_lossy(&header);
             let words: Vec<&str> = header.split_ascii_whitespace().take(6).collect();
@@ -191,7 +193,7 @@ impl Header {
                 ["element", name, count] => {
                     let count = count.parse().map_err(|_| wrong("an element is `element NAME COUNT`"))?;
                     if elements.iter().any(|element| element.name == name) {
-                        return Err(PlyError::Twice { line, name: name.into() });
+                        return Err(PlyError::Twice { line, name: shown(name.as_bytes()) });
                     }
                     elements.push(Element { name: name.into(), count, properties: Vec::new() });
                 }
@@ -199,7 +201,7 @@ impl Header {
                     let property = Property::of(words).map_err(wrong)?;
                     let element = elements.last_mut().ok_or_else(|| wrong(Property::WANTED))?;
                     if element.properties.iter().any(|other| other.name == property.name) {
-                        return Err(PlyError::Twice { line, name: property.name });
+                        return Err(PlyError::Twice { line, name: shown(property.name.as_bytes()) });
                     }
                     element.properties.push(property);
                 }
@@ -217,11 +219,11 @@ impl Header {
     }
 }
 
-/// The next line without its end, LF or CR LF.
-fn header_line(text: &mut impl BufRead) -> io::Result<Option<Vec<u8>>> {
+/// The next line without its end: CR, or LF with or without a CR before.
+fn header_line(text: &mut impl BufRead, end: u8) -> io::Result<Option<Vec<u8>>> {
     let mut line = Vec::new();
-    text.read_until(b'\n', &mut line)?;
-    let whole = line.strip_suffix(b"\n");
+    text.read_until(end, &mut line)?;
+    let whole = line.strip_suffix(&[end]);
     Ok(whole.map(|line| line.strip_suffix(b"\r").unwrap_or(line).to_vec()))
 }
 
@@ -239,7 +241,10 @@ impl Element {
     fn check(&self, encoding: Encoding, left: u64) -> Result<(), PlyError> {
         let (stated, least) = (self.count, self.least(encoding));
         let most = (left + 1).checked_div(least).unwrap_or(u64::MAX);
-        if stated > most { Err(PlyError::Cut { element: self.name.clone(), stated, most }) } else { Ok(()) }
+        if stated <= most {
+            return Ok(());
+        }
+        Err(PlyError::Cut { element: shown(self.name.as_bytes()), stated, most })
     }
 
     fn read(&self, body: &mut Body<impl BufRead>, model: &mut Collected, vertices: u64) -> Result<(), PlyError> {
@@ -409,6 +414,26 @@ impl<R: BufRead> Body<R> {
             if is_end {
                 return Ok(());
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_message_shows_the_beginning_of_a_long_name() {
+        let name = "long".repeat(1000);
+        for header in [
+            format!("element {name} 9\nproperty int x\nend_header\n"),
+            format!("element {name} 1\nproperty int x\nend_header\nnone\n"),
+            format!("element {name} 1\nelement {name} 1\n"),
+            format!("element a 1\nproperty int {name}\nproperty int {name}\n"),
+        ] {
+            let file = io::Cursor::new(format!("ply\nformat ascii 1.0\n{header}"));
+            let message = read(file, 1 << 20, false).expect_err("it has no faces").to_string();
+            assert!(message.contains("longlong") && message.len() < 300, "{message}");
         }
     }
 }

@@ -15,7 +15,7 @@ use crate::mtl::Materials;
 use crate::npz::PolygonArrays;
 use crate::{coordinates, npz, obj, ply, stl};
 
-/// How polygons are taken. Those of an .npz are always taken whole.
+/// How polygons of an OBJ or a PLY are taken. Those of an .npz are always taken whole. glTF and STL have triangles only.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Polygons {
     /// Polygons become triangles, which are drawn.
@@ -61,7 +61,7 @@ pub struct ReadOptions {
     pub allow_outside: bool,
     /// How polygons are taken. Default: as triangles.
     pub polygons: Polygons,
-    /// The axis that is up. Default: y. A glTF is always y up.
+    /// The axis that is up. Default: y. A glTF is always y up, and is not turned.
     pub up: Up,
 }
 
@@ -78,7 +78,7 @@ impl ReadOptions {
     }
 }
 
-/// Opens a file that has an end: no folder, pipe or device.
+/// Opens a file that has content and an end: no folder, pipe or device, and none that is empty.
 ///
 /// # Errors
 /// An error of the system, or one that says which file to give.

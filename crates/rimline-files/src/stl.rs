@@ -2,9 +2,11 @@
 
 use std::io::{self, BufRead, Read, Seek, SeekFrom};
 
+use rimline::Origin;
 use rimline::mesh::MAX_FACES;
 
 use crate::charge;
+use crate::coordinates::number;
 use crate::line::{self, Next, Statements, numbers, shown};
 use crate::npz::Arrays;
 
@@ -54,35 +56,63 @@ pub(crate) fn is_text(start: &[u8]) -> bool {
     text.starts_with(b"solid") && (contains(b"facet") || contains(b"endsolid"))
 }
 
-/// Reads the triangles, each with three vertices of its own. Refuses a model that takes more than `memory_limit` bytes
-/// with its mesh, before it is kept.
+/// Reads the triangles, each with three vertices of its own: those of text relative to an origin near them, those in
+/// binary bit for bit. Refuses a model that takes more than `memory_limit` bytes with its mesh, before it is kept.
 pub fn read(mut reader: impl BufRead + Seek, memory_limit: u64) -> Result<Arrays, StlError> {
     let length = reader.seek(SeekFrom::End(0))?;
     reader.rewind()?;
     let mut start = Vec::new();
     reader.by_ref().take(1 << 16).read_to_end(&mut start)?;
     reader.rewind()?;
-    let mut model = Triangles { positions: Vec::new(), limit: memory_limit };
+    let mut model = Triangles::new(memory_limit, Origin::ZERO);
     if is_text(&start) && !is_binary(&start, length) {
-        text(reader, &mut model)?;
+        text(&mut reader, &mut model)?;
+        let origin = model.needed_origin();
+        if !origin.is_zero() {
+            // The positions are in `f32` already.
+            reader.rewind()?;
+            model = Triangles::new(memory_limit, origin);
+            text(&mut reader, &mut model)?;
+        }
     } else {
         binary(reader, length, &mut model)?;
     }
-    let positions = model.positions;
+    let Triangles { positions, origin, .. } = model;
     if positions.is_empty() {
         return Err(StlError::NoFaces);
     }
     let faces = (0..positions.len() as u32 / 3).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
-    Ok(Arrays { positions, faces, ..Arrays::default() })
+    Ok(Arrays { positions, faces, origin, ..Arrays::default() })
 }
 
 /// The triangles so far, three positions each.
 struct Triangles {
     positions: Vec<[f32; 3]>,
     limit: u64,
+    /// What positions of text are relative to.
+    origin: Origin,
+    /// Bounds and smallest edge of the triangles of text, in `f64`.
+    bounds: Option<[[f64; 3]; 2]>,
+    smallest_edge: f64,
 }
 
 impl Triangles {
+    fn new(limit: u64, origin: Origin) -> Self {
+        Self { positions: Vec::new(), limit, origin, bounds: None, smallest_edge: f64::INFINITY }
+    }
+
+    /// The origin that triangles of text need.
+    fn needed_origin(&self) -> Origin {
+        self.bounds.map_or(Origin::ZERO, |bounds| Origin::near(bounds, || self.smallest_edge))
+    }
+
+    /// Takes a triangle of text into account.
+    fn extend(&mut self, corners: &[[f64; 3]]) {
+        let edges = corners.iter().zip(corners.iter().cycle().skip(1)).map(|(&from, &to)| [from, to]);
+        self.smallest_edge = self.smallest_edge.min(Origin::smallest_edge(edges));
+        self.bounds = Origin::bounds(self.bounds.into_iter().flatten().chain(corners.iter().copied()));
+    }
+
     /// Refuses so many triangles if there is no room for them with their mesh.
     fn check(&self, faces: u64) -> Result<(), StlError> {
         if faces > MAX_FACES as u64 {
@@ -120,13 +150,13 @@ fn binary(mut reader: impl BufRead, length: u64, model: &mut Triangles) -> Resul
 
 /// Reads the corners of all solids. Normals are made anew of them, and names mean nothing.
 fn text(reader: impl BufRead, model: &mut Triangles) -> Result<(), StlError> {
-    let (mut lines, mut corners) = (Statements::new(reader), 0);
+    let (mut lines, mut corners) = (Statements::new(reader), Vec::new());
     loop {
         // A line and its copy while it grows, and positions, which double.
         let listed = 2 * 12 * model.positions.len() as u64;
         let statement = match lines.next(model.limit.saturating_sub(listed) / 3)? {
             Next::Statement(statement) => statement,
-            Next::End if corners > 0 => return Err(StlError::Open),
+            Next::End if !corners.is_empty() => return Err(StlError::Open),
             Next::End => return Ok(()),
             Next::TooLong { .. } => {
                 let (faces, limit) = (model.positions.len() as u64 / 3, model.limit);
@@ -137,22 +167,43 @@ fn text(reader: impl BufRead, model: &mut Triangles) -> Result<(), StlError> {
         let mut words = statement.words();
         let Some(word) = words.next() else { continue };
         if word.eq_ignore_ascii_case(b"vertex") {
-            let found = numbers(words, |text| text.parse().ok());
-            let (position, found) = found.map_err(|word| StlError::Number { line, found: shown(word) })?;
+            let found = numbers(words, number).map_err(|word| StlError::Number { line, found: shown(word) })?;
+            let (corner, found): ([f64; 3], usize) = found;
             if found != 3 {
                 return Err(StlError::Coordinates { line, found });
             }
-            corners += 1;
-            if corners > 3 {
-                return Err(StlError::Corners { line, found: corners });
+            corners.push(corner);
+            if corners.len() > 3 {
+                return Err(StlError::Corners { line, found: corners.len() });
             }
-            model.positions.push(position);
+            model.positions.push(model.origin.position(corner));
         } else if word.eq_ignore_ascii_case(b"endloop") {
-            if corners != 3 {
-                return Err(StlError::Corners { line, found: corners });
+            if corners.len() != 3 {
+                return Err(StlError::Corners { line, found: corners.len() });
             }
-            corners = 0;
+            model.extend(&corners);
+            corners.clear();
             model.check(model.positions.len() as u64 / 3)?;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::error::Error;
+
+    use crate::{ReadOptions, read_bytes};
+
+    #[test]
+    fn text_far_away_is_read_like_an_obj() -> Result<(), Box<dyn Error>> {
+        let corners = ["392143.517 34 -5820467.702", "392143.717 34 -5820467.702", "392143.517 34.3 -5820467.702"];
+        let vertices = corners.map(|corner| format!("vertex {corner}\n")).concat();
+        let stl = format!("solid a\nfacet normal 0 0 1\nouter loop\n{vertices}endloop\nendfacet\nendsolid a\n");
+        let obj = corners.map(|corner| format!("v {corner}\n")).concat() + "f 1 2 3\n";
+        let options = ReadOptions::default();
+        let [stl, obj] = [read_bytes(stl.as_bytes(), None, &options)?, read_bytes(obj.as_bytes(), None, &options)?];
+        assert!(!stl.origin().is_zero());
+        assert_eq!((stl.origin(), stl.world_positions()), (obj.origin(), obj.world_positions()));
+        Ok(())
     }
 }

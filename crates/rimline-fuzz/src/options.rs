@@ -17,6 +17,7 @@ pub(crate) struct Options {
     /// A case that takes more seconds is a finding.
     pub(crate) slow: u64,
     pub(crate) out: PathBuf,
+    /// The only case to run.
     pub(crate) only: Option<u64>,
     /// In a worker: the first case.
     pub(crate) worker_from: Option<u64>,

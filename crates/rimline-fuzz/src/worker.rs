@@ -17,8 +17,8 @@ pub(crate) fn case(seeds: &Seeds, seed: u64, number: u64) -> Input {
     seeds.case(&mut Random::new(seed.wrapping_mul(0x0001_0000_0000_0001).wrapping_add(number)))
 }
 
-/// Runs cases from `first` on until it is killed. Each case's number goes to standard output before it runs, with 1 if the
-/// case before was accepted.
+/// Runs cases from `first` on until it is killed, or the only case if one is asked for. Each case's number goes to standard
+/// output before it runs, with 1 if the case before was accepted.
 pub(crate) fn run(options: &Options, first: u64) -> Result<bool, String> {
     let options = options.clone();
     let work = move || {

@@ -179,7 +179,8 @@ impl Display for Report {
     }
 }
 
-/// Points and directions about the mesh, some of them on its vertices and edges, in its faces' planes, with other w.
+/// Points and directions about the mesh, some of them on its vertices and edges, in its faces' planes, with other w, also
+/// below 0, which shadows and queries refuse.
 pub fn hard_lights(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Vec<Light> {
     let mut chance = Random::new(0x5eed);
     let (centre, size) = extent(positions);

@@ -83,6 +83,7 @@ impl Maker {
         self.json["bufferViews"][view]["target"] = json!(target);
     }
 
+    /// Indices, which this component type must hold.
     pub fn indices(&mut self, component: u32, data: &[u32]) -> usize {
         let size = match component {
             U8 => 1,
@@ -93,12 +94,12 @@ impl Maker {
         self.accessor(component, "SCALAR", data.len(), &bytes)
     }
 
-    /// An accessor of 32-bit floats without bytes, all zeros.
+    /// An accessor of this number of `VEC3` of floats without bytes, all zeros.
     pub fn zeros(&mut self, count: u64) -> usize {
         self.push("accessors", json!({ "componentType": F32, "type": "VEC3", "count": count }))
     }
 
-    /// Other values for some elements of an accessor.
+    /// Other values for some elements of an accessor of floats.
     pub fn sparse(&mut self, accessor: usize, elements: &[u16], values: &[f32]) {
         let indices = self.view(&elements.iter().flat_map(|at| at.to_le_bytes()).collect::<Vec<u8>>());
         let values = self.view(&values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>());
@@ -139,7 +140,7 @@ impl Maker {
         self.push("meshes", json!({ "primitives": [primitive] }))
     }
 
-    /// A square of two triangles, alone at the root of the scene.
+    /// A square of two triangles at node 0. There is no scene, so that all nodes are shown.
     pub fn square() -> Self {
         let mut maker = Self::new();
         let positions = maker.floats("VEC3", &SQUARE);
@@ -179,7 +180,7 @@ impl Maker {
         glb(self.with_buffer(None).to_string().as_bytes(), &self.bytes)
     }
 
-    /// The asset as JSON with a data URI.
+    /// The asset as JSON with a data URI, unless its JSON has `buffers` already.
     pub fn gltf(&self) -> Vec<u8> {
         use base64::Engine as _;
         let data = base64::engine::general_purpose::STANDARD.encode(&self.bytes);
@@ -187,13 +188,14 @@ impl Maker {
         self.with_buffer(Some(uri)).to_string().into_bytes()
     }
 
+    /// Loads it without welding, in at most 256 MiB.
     pub fn load(&self) -> Result<Asset, GltfError> {
         let options = LoadOptions { memory_limit: 256 << 20, ..Weld::Keep.into() };
         Asset::from_slice(&self.glb(), None, options)
     }
 }
 
-/// The components of an accessor type.
+/// The components of the accessor types that are made here: `SCALAR`, `VEC3`, `VEC4`, and `MAT4` for any other name.
 fn width(kind: &str) -> usize {
     match kind {
         "SCALAR" => 1,

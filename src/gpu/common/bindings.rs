@@ -109,7 +109,7 @@ pub(crate) fn entries(
     types.into_iter().map(entry).collect()
 }
 
-/// A texture of two dimensions that a stage writes: floats, or integers.
+/// A texture of two dimensions that a stage writes: `r32uint`, or else `r32float`, which no other format may stand for.
 fn written_type(format: naga::StorageFormat) -> wgpu::BindingType {
     let is_uint = format == naga::StorageFormat::R32Uint;
     wgpu::BindingType::StorageTexture {

@@ -23,7 +23,7 @@ impl<K, V> Default for Cache<K, V> {
 impl<K: Clone + Eq + Hash, V: Clone> Cache<K, V> {
     /// The value of `key`. `make` makes it unless it exists. If the device reports an error, the value is not cached. It
     /// is then made again outside the cache's error scopes, because error scopes belong to the calling thread: the
-    /// error goes where the caller wants it.
+    /// error goes where the caller wants it. `make` must not ask for the same key, or it waits for itself.
     pub(crate) fn get(&self, device: &wgpu::Device, key: &K, make: impl Fn() -> V) -> V {
         let room = self.room(key);
         let mut held = lock(&room);

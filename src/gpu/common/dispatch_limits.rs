@@ -14,8 +14,8 @@ pub(crate) fn is_software(device: &wgpu::Device) -> bool {
     device.adapter_info().device_type == wgpu::DeviceType::Cpu
 }
 
-/// The number of workgroups whose invocations take `items` in turn. A CPU executes invocations without work one after
-/// another, so it gets few.
+/// The number of workgroups whose invocations take `items` in turn, at least 1. A CPU executes invocations without work
+/// one after another, so it gets few.
 pub(crate) fn loops(device: &wgpu::Device, items: u32) -> u32 {
     loops_of(device, items, ITEMS)
 }
@@ -106,7 +106,9 @@ impl DispatchLimits {
 /// The bindings of a gathered array.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Windows {
+    /// In bytes.
     pub(crate) ranges: [Range<u64>; WINDOWS],
+    /// Words of a window, or 0 if the first one holds everything.
     pub(crate) words: u32,
 }
 

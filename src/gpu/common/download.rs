@@ -31,7 +31,7 @@ pub(crate) struct Copied {
 }
 
 impl Download {
-    /// Submits the copy.
+    /// Submits the copy of a range of whole words, which is not empty.
     pub(crate) fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,

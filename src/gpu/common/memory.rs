@@ -68,7 +68,7 @@ pub(crate) fn any_error<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> R
     made.and_then(|made| made).and_then(|made| made)
 }
 
-/// A buffer of at least 4 bytes.
+/// A buffer of [`padded`] bytes.
 pub(crate) fn buffer(
     device: &wgpu::Device,
     label: &'static str,
@@ -79,7 +79,7 @@ pub(crate) fn buffer(
     device.create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false })
 }
 
-/// A buffer that begins with `contents`.
+/// A buffer that begins with `contents`, which are whole words.
 pub(crate) fn filled(
     device: &wgpu::Device,
     label: &'static str,
@@ -93,7 +93,7 @@ pub(crate) fn filled(
     buffer
 }
 
-/// A buffer of at least 4 bytes, for [`write_mapped`].
+/// A buffer of [`padded`] bytes, for [`write_mapped`].
 pub(crate) fn mapped(
     device: &wgpu::Device,
     label: &'static str,
@@ -104,8 +104,8 @@ pub(crate) fn mapped(
     device.create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: true })
 }
 
-/// Writes the beginning of a mapped buffer and unmaps it. Returns whether the buffer was mapped; no buffer of a lost
-/// device is.
+/// Writes the beginning of a mapped buffer and unmaps it. Contents are whole words. Returns whether the buffer was mapped;
+/// no buffer of a lost device is.
 pub(crate) fn write_mapped(buffer: &wgpu::Buffer, contents: &[u8]) -> bool {
     match buffer.slice(..contents.len() as u64).get_mapped_range_mut() {
         Ok(mut view) => view.copy_from_slice(contents),
@@ -115,7 +115,7 @@ pub(crate) fn write_mapped(buffer: &wgpu::Buffer, contents: &[u8]) -> bool {
     true
 }
 
-/// The size that a buffer of `bytes` takes. Buffers and mappings have whole words and are never empty.
+/// The size that a buffer of `bytes` takes: whole words, at least four.
 pub(crate) fn padded(bytes: u64) -> u64 {
     bytes.next_multiple_of(4).max(16)
 }

@@ -14,7 +14,7 @@ pub(crate) enum Workgroups {
 }
 
 impl Workgroups {
-    /// `count`, or all that the device allows, in as few rows as it allows.
+    /// At least `count`, with fewer to spare than there are rows, or all that the device allows. In as few rows as it allows.
     pub(crate) fn over(device: &wgpu::Device, count: u32) -> Self {
         let most = device.limits().max_compute_workgroups_per_dimension;
         let rows = count.div_ceil(most).min(most);
@@ -30,7 +30,7 @@ pub(crate) struct Dispatch {
     /// The dynamic offsets of the group's uniforms.
     pub(crate) offsets: Vec<u32>,
     pub(crate) workgroups: Workgroups,
-    /// The batch of 32 lights by which `record` selects. Only stages of shadows set it.
+    /// The batch of 32 lights by which `record` selects. Only stages of shadows set it; all others are of batch 0.
     pub(crate) batch: usize,
 }
 
@@ -52,8 +52,8 @@ impl Step {
     }
 }
 
-/// Records steps, with the dispatches of the given batches. With a timer, each pass has a separate compute pass. If
-/// not, passes that follow each other share one, which costs less.
+/// Records all clears and copies, and the dispatches whose batch is one of these. With a timer, each pass has a separate
+/// compute pass. If not, passes that follow each other share one, which costs less.
 pub(crate) fn record<'s>(
     steps: impl IntoIterator<Item = &'s Step>,
     encoder: &mut wgpu::CommandEncoder,

@@ -318,7 +318,7 @@ impl Pipeline {
     }
 }
 
-/// A bind group with `resources` numbered from 0.
+/// A bind group with `resources` numbered from 0. Their dynamic offsets are not in it; who sets the group gives them.
 pub(crate) fn group(
     device: &wgpu::Device,
     label: &str,

@@ -21,7 +21,7 @@ pub struct PositionBuffer<'a> {
 pub(crate) struct BoundPositions {
     /// The offset in the buffer where the windows begin.
     pub(crate) base: u64,
-    /// Up to four ranges of the buffer, one a binding.
+    /// Up to four ranges of the buffer, one a binding, counted from `base`.
     pub(crate) windows: Windows,
     /// The word of vertex 0, counted from `base`, and the words from one vertex to the next.
     pub(crate) offset_words: u32,
@@ -29,7 +29,7 @@ pub(crate) struct BoundPositions {
 }
 
 impl PositionBuffer<'_> {
-    /// The end in the buffer of the last of `vertices`, in bytes.
+    /// The end in the buffer of the last of `vertices`, in bytes. No vertices need the room of one.
     pub(crate) fn end(&self, vertices: u32) -> Result<u64, DeviceError> {
         self.end_of(vertices, 12)
     }

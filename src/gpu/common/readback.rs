@@ -15,7 +15,7 @@ const PIECE: u64 = 16 << 20;
 /// size is no multiple of 4. They are left out.
 ///
 /// # Errors
-/// [`DeviceError`] when the buffer lacks `COPY_SRC`, the device is lost, or the platform cannot wait.
+/// [`DeviceError`] when the buffer lacks `COPY_SRC`, the device is lost or refuses the copy, or the platform cannot wait.
 pub fn read_back(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
@@ -47,7 +47,7 @@ pub fn read_back(
 /// ```
 ///
 /// # Errors
-/// [`DeviceError`] when the buffer lacks `COPY_SRC` or the device is lost.
+/// [`DeviceError`] when the buffer lacks `COPY_SRC`, or the device is lost or refuses the copy.
 pub fn read_back_async<F: FnMut(&[u8])>(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
@@ -77,7 +77,7 @@ pub fn read_back_vec<T: bytemuck::Pod>(
     read_back_first(device, queue, buffer, buffer.size())
 }
 
-/// Reads the first `end` bytes of a buffer as [`read_back_vec`] does.
+/// Reads the first `end` bytes of a buffer, which are in it, as [`read_back_vec`] does.
 pub(crate) fn read_back_first<T: bytemuck::Pod>(
     device: &wgpu::Device,
     queue: &wgpu::Queue,

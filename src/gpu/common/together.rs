@@ -1,7 +1,7 @@
 //! Runs jobs on all threads at the same time. Pipelines are compiled so.
 
-/// Runs each job once, in no order: on the calling thread, and on as many others as the machine has, but no more threads
-/// than jobs. Where no other thread can be started, the calling one runs all jobs.
+/// Runs each job once, in no order: on the calling thread and on others, in all as many as the machine has, but no more
+/// threads than jobs. Where no other thread can be started, the calling one runs all jobs.
 #[cfg(not(target_family = "wasm"))]
 pub(crate) fn together<J: Sync>(jobs: &[J], run: impl Fn(&J) + Sync) {
     use std::sync::atomic::{AtomicUsize, Ordering};

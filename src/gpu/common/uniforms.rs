@@ -38,7 +38,7 @@ impl UniformTable {
     }
 }
 
-/// Records that each target is set to its contents from here on. Commands recorded before still see the old content, so an
+/// Records that each target begins with its contents from here on. Commands recorded before still see the old content, so an
 /// encoder may hold several uses of a buffer. Records nothing if the device is lost, or without targets. Contents are whole
 /// words.
 pub(crate) fn upload(

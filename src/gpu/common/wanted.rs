@@ -15,7 +15,7 @@ pub(crate) struct Wanted<'a> {
     contents: Option<&'a [u8]>,
     /// It is bound as a whole.
     is_whole: bool,
-    /// It is too small to count.
+    /// It is too small to count, so no sum or limit has it.
     is_free: bool,
 }
 
@@ -43,7 +43,7 @@ impl<'a> Wanted<'a> {
         Self { usage, ..Self::new(label, bytes as u64) }
     }
 
-    /// The same with another size.
+    /// The same with another size. A buffer with contents keeps the size of these.
     pub(crate) fn sized(self, bytes: u64) -> Self {
         Self { bytes, ..self }
     }
@@ -63,7 +63,7 @@ impl<'a> Wanted<'a> {
         Self { is_whole, ..self }
     }
 
-    /// It is too small to count.
+    /// It is too small to count: no sum and no limit has it.
     pub(crate) fn free(self) -> Self {
         Self { is_free: true, ..self }
     }

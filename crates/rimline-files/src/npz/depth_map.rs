@@ -27,17 +27,19 @@ pub enum Depths {
 /// One map, or six of a cube, and what they were drawn with.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DepthMapArrays {
+    /// Width and height.
     pub size: [u32; 2],
     /// Map by map, row by row, the first row at the top.
     pub depths: Depths,
     /// For each map the rows of its matrix, from positions less the origin to clip space.
     pub view_projections: Vec<[[f64; 4]; 4]>,
+    /// As the file has it; it may be infinite or NaN.
     pub origin: [f64; 3],
     /// Whether near is 1 and far is 0.
     pub is_reversed: bool,
     /// Bits that the depths were rounded to before, if it is said.
     pub depth_bits: Option<u32>,
-    /// Meaning of the depths. Depths in other types than float32 are device depths.
+    /// Meaning of the depths. The reader takes any with uint16, too, which can only be device depths.
     pub metric: DepthMetric,
     /// A number for each texel of one map, if they were asked for.
     pub objects: Option<Vec<u32>>,

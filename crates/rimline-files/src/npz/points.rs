@@ -31,7 +31,7 @@ impl PointArrays {
 pub enum Points {
     /// float32, bit for bit, relative to an origin.
     Single { points: Vec<[f32; 3]>, origin: Origin },
-    /// float64, in the world.
+    /// float64, in the world: an origin of the file is added.
     Double(Vec<[f64; 3]>),
 }
 

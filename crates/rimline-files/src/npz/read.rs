@@ -11,8 +11,8 @@ use zip::result::ZipError;
 use super::header::{ElementType, Header, HeaderError};
 use crate::charge::{self, CORNER, LOOP, POLYGON, VERTEX};
 
-/// Positions relative to an origin, those of an archive bit for bit, and triangles whose indices are below their number, or
-/// polygons.
+/// Positions relative to an origin, those of an archive and of a binary STL bit for bit, and triangles whose indices are
+/// below their number, or polygons.
 #[derive(Debug, Default, PartialEq)]
 pub struct Arrays {
     pub positions: Vec<[f32; 3]>,
@@ -88,8 +88,10 @@ pub enum NpzError {
     Data { array: &'static str, row: usize, source: io::Error },
 }
 
+/// Names for a message. A file may have thousands of any length.
 pub(super) fn listed(names: &[String]) -> String {
-    if names.is_empty() { "none".into() } else { names.iter().take(12).cloned().collect::<Vec<_>>().join(", ") }
+    let beginning = |name: &String| name.chars().take(60).collect::<String>();
+    if names.is_empty() { "none".into() } else { names.iter().take(12).map(beginning).collect::<Vec<_>>().join(", ") }
 }
 
 /// A shape for a message. A file may have one of thousands of numbers.
@@ -230,8 +232,8 @@ pub(super) struct Head {
     extent: Extent,
 }
 
-/// An archive, and the memory that reading it may take, with everything that is made of it. What is charged is the peak
-/// of the memory in use at one time.
+/// An archive, and the memory that reading it may take, with everything that is made of it. What is charged is at least the
+/// peak of the memory in use at one time: nothing is taken off again.
 pub(super) struct Archive<R> {
     zip: ZipArchive<R>,
     limit: u64,
@@ -450,6 +452,13 @@ mod tests {
         assert_eq!(index(element('i', 8, false), &[7, 0, 0, 0, 0, 0, 0, 0]), Ok(7));
         assert_eq!(index(element('i', 4, true), &[255, 255, 255, 254]), Err(-2));
         assert_eq!(index(element('u', 8, false), &[0, 0, 0, 0, 1, 0, 0, 0]), Err(1 << 32));
+    }
+
+    #[test]
+    fn a_message_shows_the_beginning_of_some_names() {
+        let names: Vec<String> = (0..100).map(|name| format!("{name}{}", "a".repeat(1000))).collect();
+        assert_eq!(listed(&names).len(), 12 * 62 - 2);
+        assert_eq!(listed(&["faces".to_owned(), "lights".to_owned()]), "faces, lights");
     }
 
     #[test]

@@ -8,7 +8,7 @@ use rimline_testkit::random::Random;
 
 use super::obj::{MEMORY_LIMIT, check};
 
-const TEXTS: [&str; 4] = [
+const PLY_TEXTS: [&str; 3] = [
     "ply\nformat ascii 1.0\ncomment a\nelement vertex 5\nproperty float x\nproperty double y\nproperty float z\n\
      property uchar red\nelement face 2\nproperty list uchar int vertex_indices\nproperty list uchar float texcoord\n\
      end_header\n0 0 0 9\n2 .5 0 9\n2. 0 2 9\n0 0 2 9\n1 1e0 nan 9\n4 0 1 2 3 0\n3 1 0 4 1 .5\n",
@@ -19,6 +19,9 @@ const TEXTS: [&str; 4] = [
      property uchar green\nproperty uchar blue\nelement face 2\nproperty float blue\nproperty list uchar int vertex_index\n\
      property float green\nproperty list uchar int vertex_indices\nproperty float red\nend_header\n0 0 0 255 0 0\n\
      1 0 0 0 255 0\n0 1 0 0 0 999\n0 1 0 1 2 3\n.5 3 0 1 2 nan 4 0 1 2 3 1\n1 3 0 1 2 1 3 0 2 3 1e9\n",
+];
+
+const STL_TEXTS: [&str; 1] = [
     "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n\
      solid\nFACET NORMAL 0 0 1\nOUTER LOOP\nVERTEX 0 1 0\nVERTEX 1 0 0\nVERTEX 1 1e0 nan\nENDLOOP\nENDFACET\nENDSOLID\n",
 ];
@@ -97,11 +100,11 @@ fn case(binary: &[Vec<u8>], texts: &[&str], random: &mut Random) -> Vec<u8> {
 }
 
 pub(crate) fn ply_case(random: &mut Random) -> Vec<u8> {
-    case(&[binary_ply(false), binary_ply(true)], &TEXTS[..2], random)
+    case(&[binary_ply(false), binary_ply(true)], &PLY_TEXTS, random)
 }
 
 pub(crate) fn stl_case(random: &mut Random) -> Vec<u8> {
-    case(&[binary_stl()], &TEXTS[2..], random)
+    case(&[binary_stl()], &STL_TEXTS, random)
 }
 
 pub(crate) fn run_ply(bytes: &[u8]) -> Result<bool, String> {
@@ -110,4 +113,20 @@ pub(crate) fn run_ply(bytes: &[u8]) -> Result<bool, String> {
 
 pub(crate) fn run_stl(bytes: &[u8]) -> Result<bool, String> {
     check(bytes.len(), stl::read(Cursor::new(bytes), MEMORY_LIMIT))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn seeds_are_accepted_by_their_targets() {
+        let (binary, stl) = ([binary_ply(false), binary_ply(true)], binary_stl());
+        for bytes in PLY_TEXTS.map(str::as_bytes).into_iter().chain(binary.iter().map(Vec::as_slice)) {
+            assert_eq!(run_ply(bytes), Ok(true), "{}", String::from_utf8_lossy(bytes));
+        }
+        for bytes in STL_TEXTS.map(str::as_bytes).into_iter().chain([stl.as_slice()]) {
+            assert_eq!(run_stl(bytes), Ok(true), "{}", String::from_utf8_lossy(bytes));
+        }
+    }
 }
