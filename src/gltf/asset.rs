@@ -98,7 +98,8 @@ impl Asset {
 
     /// Loads the content of a .gltf or .glb file whose buffers are not in a folder: in an archive, or in memory. `find`
     /// gives the content of the file with a path relative to the glTF, whose percent signs are decoded, and `None` if
-    /// there is none.
+    /// there is none. The author of the glTF chooses the path. It may be absolute or lead outside by `..`, since
+    /// [`LoadOptions::allow_outside`] has no effect here: check it before you join it to a folder.
     ///
     /// ```
     /// use rimline::gltf::Asset;
@@ -169,17 +170,18 @@ impl Asset {
         })
     }
 
-    /// The files that the glTF names by relative URIs, whether they were read or not: buffers, textures, files of
-    /// extensions. They need not exist. The list is empty without a folder to look in.
+    /// The paths of all URIs in the glTF but data, whether they were read or not: buffers, textures, files of extensions.
+    /// They need not exist. A name with percent signs gives two, as it is and decoded, and a web address becomes a path
+    /// in the folder. The list is empty without a folder to look in.
     pub fn named_files(&self) -> &[PathBuf] {
         &self.named_files
     }
 
     /// Parts of the file that were skipped, or read in another way than they are written. The command prints all of them.
     ///
-    /// A damaged part of the file is refused only where the scene needs it. Such parts are animations, lights that are
-    /// not asked for, and meshes, skins, nodes and data that the chosen scene does not show. Every other one is a
-    /// [`GltfWarning::Damaged`].
+    /// A damaged part that the chosen scene needs is refused, and the file with it. Every other one, but for cameras, is a
+    /// [`GltfWarning::Damaged`]: animations, lights, materials, and meshes, skins, nodes and data that the scene does not
+    /// show.
     pub fn warnings(&self) -> &[GltfWarning] {
         &self.warnings
     }
@@ -196,7 +198,8 @@ impl Asset {
         &self.built.model
     }
 
-    /// The base colours of the geometry with this index, if they are not all white: of its faces and its vertices.
+    /// The base colours of the geometry with this index: of its faces and its vertices. `None` past the end, and if the file
+    /// gives it none: all is white then.
     pub fn colors(&self, geometry: usize) -> Option<&Colors> {
         self.built.colors.get(geometry).filter(|colors| !colors.is_white())
     }

@@ -49,10 +49,11 @@ impl Asset {
     }
 
     /// The lights of the chosen scene (`KHR_lights_punctual`) at a time in seconds, in world space, in the order of its
-    /// nodes. Their positions are relative to [`Asset::origin`]. Lights of hidden nodes are none.
+    /// nodes. Their positions are relative to [`Asset::origin`]. Lights of hidden nodes are left out.
     ///
     /// # Errors
-    /// [`GltfError`] as for [`Asset::pose`], and for a light that is damaged. [`Asset::each_light`] gives the others.
+    /// [`GltfError`] for animations or a time that [`Asset::pose`] refuses, and for a light that is damaged or not finite.
+    /// [`Asset::each_light`] gives the others.
     pub fn lights(
         &self,
         animations: impl IntoIterator<Item = usize>,
@@ -61,10 +62,10 @@ impl Asset {
         self.each_light(animations, time_s)?.into_iter().collect()
     }
 
-    /// The same as [`Asset::lights`], where a light that is damaged does not refuse the others.
+    /// The same as [`Asset::lights`], where a light that is damaged or not finite does not refuse the others.
     ///
     /// # Errors
-    /// [`GltfError`] as for [`Asset::pose`].
+    /// [`GltfError`] for animations or a time that [`Asset::pose`] refuses.
     pub fn each_light(
         &self,
         animations: impl IntoIterator<Item = usize>,
