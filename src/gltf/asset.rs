@@ -52,7 +52,7 @@ pub struct Asset {
     /// The joints that each geometry uses, ascending.
     pub(super) used_joints: Vec<Vec<u32>>,
     pub(super) named_files: Vec<PathBuf>,
-    /// The origin of poses and lights.
+    /// The origin of poses, lights and cameras.
     pub(super) origin: Origin,
     /// The box of each geometry in its mesh space. It is computed on first use.
     pub(super) boxes: OnceLock<Vec<Option<[[f64; 3]; 2]>>>,

@@ -20,7 +20,8 @@ use super::error::GltfError;
 use super::json::shorten;
 use super::warning::Warnings;
 
-/// Gives the content of the file with a relative path, or `None` if there is none.
+/// Gives the content of the file with a path relative to the glTF, or `None` if there is none. Paths are those of
+/// [`relative`]: unchecked.
 pub(super) type Given<'a> = &'a dyn Fn(&str) -> Option<Vec<u8>>;
 
 /// Where the files are that a glTF names.
@@ -94,7 +95,7 @@ impl Folder<'_> {
     }
 }
 
-/// The path that a URI names, relative to the folder of the glTF.
+/// The path that a URI names, relative to the folder of the glTF. It may be absolute or lead outside: see [`leaves`].
 fn relative(uri: &str) -> Result<PathBuf, &'static str> {
     let scheme = uri.split(['/', '?', '#', '%']).next().unwrap_or_default();
     if scheme.contains(':') || uri.starts_with("//") {
@@ -232,6 +233,7 @@ fn data_uri(uri: &str) -> Result<Vec<u8>, &'static str> {
 }
 
 /// All files that a glTF names, in no order: buffers, images, and what extensions name by a `uri`. They need not exist.
+/// Absolute URIs count as names.
 pub(super) fn named(json: &Value, base: Option<&Path>) -> Vec<PathBuf> {
     let Some(base) = base else { return Vec::new() };
     let (mut files, mut rest) = (Vec::new(), vec![json]);

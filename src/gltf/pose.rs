@@ -12,7 +12,8 @@ use super::info::{SceneLight, SceneLightKind, SpotCone};
 use crate::light::Light;
 use crate::model::{InstancePose, ModelError, Pose};
 
-/// World matrices and morph weights of the nodes at one time, as animations set them.
+/// World matrices and morph weights of the nodes at one time, as animations set them. Matrices are relative to the asset's
+/// origin.
 pub(super) struct State {
     pub(super) world: Vec<DAffine3>,
     /// Only for nodes whose weights an animation moves.
