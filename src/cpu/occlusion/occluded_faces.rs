@@ -48,7 +48,7 @@ pub struct OcclusionStatistics {
     pub undecided: usize,
     /// Faces that still cast and occlude no other face, or only by a part of them, because the tree was full.
     pub without_room: usize,
-    /// Nodes of all trees.
+    /// Nodes of all trees, without those of the planes between cones.
     pub nodes: usize,
 }
 
