@@ -16,6 +16,7 @@ pub(crate) fn tests() -> Vec<Trial> {
     vec![
         test("outside::by_name", by_name),
         test("outside::by_link", by_link),
+        test("outside::a_caller_that_gives_files_is_asked_for_any_path", given),
         test("outside::images_are_not_read", images),
     ]
 }
@@ -109,6 +110,24 @@ fn by_link() -> Outcome {
 
 #[cfg(not(unix))]
 fn by_link() -> Outcome {
+    Ok(())
+}
+
+/// Paths outside and absolute ones come to the caller as the glTF has them, with percent signs decoded, by default too.
+fn given() -> Outcome {
+    let mut maker = Maker::square();
+    let expected = maker.load()?;
+    for (name, asked) in [
+        ("own.bin", "own.bin"),
+        ("../secret.bin", "../secret.bin"),
+        ("below/%2E%2E/../secret.bin", "below/../../secret.bin"),
+        ("/secret.bin", "/secret.bin"),
+    ] {
+        uri(&mut maker, name);
+        let find = |path: &str| (path == asked).then(|| maker.bytes.clone());
+        let asset = Asset::from_slices(maker.json.to_string().as_bytes(), &find, Weld::Keep)?;
+        same(asset.model(), expected.model(), name)?;
+    }
     Ok(())
 }
 
