@@ -32,7 +32,7 @@ pub enum GltfWarning {
     #[error(
         "{json_path}: {vertices} {} are infinite or NaN, first that of vertex {first}{}",
         if *.is_target { "offsets" } else { "positions" },
-        if *.is_target { "; the faces of these vertices are not drawn" } else { "" }
+        if *.is_target { "; while the target's weight is not 0, the faces of these vertices are not drawn" } else { "" }
     )]
     NonFinite { json_path: String, vertices: usize, first: usize, is_target: bool },
     /// A part breaks the specification. It was read in another way than it is written, or ignored: left-over corners,
