@@ -15,8 +15,8 @@ pub struct SceneExtent {
     /// The lowest and the highest corner of a box in world space that holds all instances. It is not relative to
     /// [`Asset::origin`].
     pub bounds: [[f64; 3]; 2],
-    /// The most by which a position may be off because it is in `f32`: as the file has it, and relative to
-    /// [`Asset::origin`].
+    /// The most by which a position may be off because it is in `f32`: as the file has it, without offsets of morph
+    /// targets, and relative to [`Asset::origin`].
     pub rounding: f64,
 }
 

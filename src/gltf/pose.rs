@@ -77,7 +77,7 @@ impl Asset {
         Ok(lights.map(|(n, light)| self.light(n, light, &world[n], time_s)).collect())
     }
 
-    /// The name of each of [`Asset::lights`], or that of its node.
+    /// The name of each of [`Asset::each_light`], or that of its node.
     pub fn light_names(&self) -> Vec<Option<&str>> {
         self.names(&self.document.lights, self.nodes_with(&self.graph.scene, |node| node.light.as_ref()))
     }
