@@ -97,9 +97,10 @@ impl Asset {
     }
 
     /// Loads the content of a .gltf or .glb file whose buffers are not in a folder: in an archive, or in memory. `find`
-    /// gives the content of the file with a path relative to the glTF, whose percent signs are decoded, and `None` if
-    /// there is none. The author of the glTF chooses the path. It may be absolute or lead outside by `..`, since
-    /// [`LoadOptions::allow_outside`] has no effect here: check it before you join it to a folder.
+    /// gives the content of the file with a path relative to the glTF, and `None` if there is none. It is asked for the path
+    /// with percent signs decoded, and then for the path as it is. The author of the glTF chooses the path. It may be
+    /// absolute or lead outside by `..`, since [`LoadOptions::allow_outside`] has no effect here: check it before you join
+    /// it to a folder.
     ///
     /// ```
     /// use rimline::gltf::Asset;

@@ -50,7 +50,8 @@ impl<'a> Beside<'a> {
             Self::Given(given) => {
                 let refuse = |problem| bad_uri(uri, json_path, problem);
                 let path = relative(uri).map_err(refuse)?;
-                let content = path.to_str().and_then(given);
+                let literal = || uri.contains('%').then(|| given(uri)).flatten();
+                let content = path.to_str().and_then(given).or_else(literal);
                 let content = content.ok_or_else(|| refuse("names a file, but the glTF was given without it"))?;
                 budget.charge_file(content.capacity() as u64, json_path)?;
                 Ok(content)
@@ -69,14 +70,13 @@ pub(super) struct Folder<'a> {
 }
 
 impl Folder<'_> {
-    /// The file that a relative URI names. A symbolic link in the folder may lead out of it, so the path returned is
-    /// the one that the system resolved.
+    /// The file that a relative URI names: with percent signs decoded, or as it is where only that is there. A symbolic link
+    /// in the folder may lead out of it, so the path returned is the one that the system resolved.
     pub(super) fn find(&self, uri: &str, json_path: &dyn Fn() -> String) -> Result<PathBuf, GltfError> {
         let refuse = |problem| bad_uri(uri, json_path, problem);
         let outside = |path| Err(GltfError::Outside { json_path: json_path(), uri: shorten(uri), path });
         let relative = relative(uri).map_err(refuse)?;
-        let leaves = leaves(&relative);
-        if leaves && !self.allow_outside {
+        if !self.allow_outside && leaves(&relative) {
             return outside(relative);
         }
         let folder =
@@ -84,6 +84,10 @@ impl Folder<'_> {
         // The folder of `model.gltf` is the empty path.
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         let named = folder.join(relative);
+        // Some exporters write names as they are, with percent signs.
+        let literal = Path::new(uri);
+        let is_literal = !named.exists() && !leaves(literal) && folder.join(literal).exists();
+        let named = if is_literal { folder.join(literal) } else { named };
         if self.allow_outside {
             return Ok(named);
         }

@@ -37,9 +37,10 @@
 //! * **Accessors.** A quantised attribute is accepted if the file says that it uses `KHR_mesh_quantization`. Draco and
 //!   meshopt data are never read; a file is refused where the plain data beside them is missing. Alignment is not
 //!   checked.
-//! * **Files.** Buffers are read from data URIs, and from regular files in the folder of the glTF or below it. A file
-//!   outside, reached by a symbolic link or `..`, is refused unless [`LoadOptions::allow_outside`] is set.
-//!   [`Asset::from_slices`] asks its caller for each path and refuses none. Images are never read.
+//! * **Files.** Buffers are read from data URIs, and from regular files in the folder of the glTF or below it. Names with
+//!   percent signs are decoded, or taken as they are where only such a file is there. A file outside, reached by a
+//!   symbolic link or `..`, is refused unless [`LoadOptions::allow_outside`] is set. [`Asset::from_slices`] asks
+//!   its caller for each path and refuses none. Images are never read.
 //! * **Memory.** Memory is charged against [`LoadOptions::memory_limit`] before it is allocated. Buffers that a caller of
 //!   [`Asset::from_slices`] gives are charged then.
 
