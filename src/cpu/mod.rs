@@ -1,7 +1,8 @@
-//! Extraction, deformation and occluder counts on the CPU. They need no device. Extraction and occluder counts have the same
-//! bits as on the GPU at the same positions.
+//! Extraction, deformation, occluder counts and the search for occluded faces on the CPU. They need no device. Extraction by
+//! [`Predicate::Exact`](crate::Predicate::Exact) and occluder counts have the same bits as on the GPU at the same positions.
 //!
-//! Masks are in batches of 32 lights, one after the other, and in a batch one item after the other. The GPU has the same layout.
+//! Masks are in batches of 32 lights, one after the other, and in a batch one item after the other. The GPU has the same
+//! layout.
 
 pub(crate) mod common;
 pub(crate) mod deform;

@@ -52,7 +52,7 @@ pub struct Asset {
     /// The joints that each geometry uses, ascending.
     pub(super) used_joints: Vec<Vec<u32>>,
     pub(super) named_files: Vec<PathBuf>,
-    /// The origin of poses and lights.
+    /// The origin of poses, lights and cameras.
     pub(super) origin: Origin,
     /// The box of each geometry in its mesh space. It is computed on first use.
     pub(super) boxes: OnceLock<Vec<Option<[[f64; 3]; 2]>>>,
@@ -97,8 +97,10 @@ impl Asset {
     }
 
     /// Loads the content of a .gltf or .glb file whose buffers are not in a folder: in an archive, or in memory. `find`
-    /// gives the content of the file with a path relative to the glTF, whose percent signs are decoded, and `None` if
-    /// there is none.
+    /// gives the content of the file with a path relative to the glTF, and `None` if there is none. It is asked for the path
+    /// with percent signs decoded, and then for the path as it is. The author of the glTF chooses the path. It may be
+    /// absolute or lead outside by `..`, since [`LoadOptions::allow_outside`] has no effect here: check it before you join
+    /// it to a folder.
     ///
     /// ```
     /// use rimline::gltf::Asset;
@@ -169,17 +171,18 @@ impl Asset {
         })
     }
 
-    /// The files that the glTF names by relative URIs, whether they were read or not: buffers, textures, files of
-    /// extensions. They need not exist. The list is empty without a folder to look in.
+    /// The paths of all URIs in the glTF but data, whether they were read or not: buffers, textures, files of extensions.
+    /// They need not exist. A name with percent signs gives two, as it is and decoded, and a web address becomes a path
+    /// in the folder. The list is empty without a folder to look in.
     pub fn named_files(&self) -> &[PathBuf] {
         &self.named_files
     }
 
     /// Parts of the file that were skipped, or read in another way than they are written. The command prints all of them.
     ///
-    /// A damaged part of the file is refused only where the scene needs it. Such parts are animations, lights that are
-    /// not asked for, and meshes, skins, nodes and data that the chosen scene does not show. Every other one is a
-    /// [`GltfWarning::Damaged`].
+    /// A damaged part that the chosen scene needs is refused, and the file with it. Every other one, but for cameras, is a
+    /// [`GltfWarning::Damaged`]: animations, lights, materials, and meshes, skins, nodes and data that the scene does not
+    /// show.
     pub fn warnings(&self) -> &[GltfWarning] {
         &self.warnings
     }
@@ -196,7 +199,8 @@ impl Asset {
         &self.built.model
     }
 
-    /// The base colours of the geometry with this index, if they are not all white: of its faces and its vertices.
+    /// The base colours of the geometry with this index: of its faces and its vertices. `None` past the end, and if the file
+    /// gives it none: all is white then.
     pub fn colors(&self, geometry: usize) -> Option<&Colors> {
         self.built.colors.get(geometry).filter(|colors| !colors.is_white())
     }

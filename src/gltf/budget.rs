@@ -95,7 +95,8 @@ impl Budget {
         Ok(())
     }
 
-    /// The same for a file's content, which is freed when the asset is made.
+    /// The same for a file's content, which is freed when the asset is made. [`Self::settle`] would give it
+    /// back, so it must not lie between a mark and its use.
     pub(super) fn charge_file(&self, bytes: u64, what: &dyn Fn() -> String) -> Result<(), GltfError> {
         self.charge(bytes, 1, what)?;
         self.files.set(self.files.get() + bytes);

@@ -8,11 +8,11 @@ use super::document::Part;
 use super::error::GltfError;
 
 impl Asset {
-    /// The cameras of the chosen scene at a time in seconds, in the order of its nodes. Those of hidden nodes are there, too, since
-    /// nothing of a camera is seen. One that is damaged does not refuse the others.
+    /// The cameras of the chosen scene at a time in seconds, in the order of its nodes. Those of hidden nodes are there, too,
+    /// since nothing of a camera is seen. One that is damaged or not finite does not refuse the others.
     ///
     /// # Errors
-    /// [`GltfError`] as for [`Asset::pose`].
+    /// [`GltfError`] for animations or a time that [`Asset::pose`] refuses.
     pub fn each_camera(
         &self,
         animations: impl IntoIterator<Item = usize>,

@@ -53,9 +53,9 @@ pub(super) fn of_vertices(
 pub(super) const WELDING: [u64; 2] = [4 + 12, 12];
 
 impl Colors {
-    /// Gives each face the mean colour of its corners, if vertices at one position have different colours: welding would mix
-    /// these. The faces may have any number of corners; without corners they keep their colour. Colours that are missing are
-    /// white.
+    /// Multiplies the colour of every face by the mean colour of its corners, and removes the colours of vertices, if any
+    /// vertices at one position have different colours: welding would mix these. The faces may have any number of corners;
+    /// without corners they keep their colour. Colours that are missing are white.
     pub fn split_seams<'a>(&mut self, positions: &[[f32; 3]], faces: impl ExactSizeIterator<Item = &'a [u32]>) {
         let Some(vertices) = &self.vertices else { return };
         let mut order: Vec<u32> = (0..positions.len() as u32).collect();
@@ -80,7 +80,8 @@ impl Colors {
     }
 
     /// The colours once vertices are welded, where the same faces name other vertices. A welded vertex has the colour of the
-    /// first that a face names; [`Self::split_seams`] sees to it that those at one position have the same.
+    /// first that a face names. [`Self::split_seams`] sees to it that those at one position have the same, but not those
+    /// that [`Weld::Distance`](crate::mesh::Weld::Distance) welds.
     #[must_use]
     pub fn welded(self, before: &[[u32; 3]], after: &Geometry) -> Self {
         let renumbered = |old: Vec<[f32; 3]>| {

@@ -207,7 +207,7 @@ pub(super) enum Interpolation {
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ChannelTarget {
-    /// Its index in the file.
+    /// Its index in the animation's list in the file, which has channels that are not here.
     pub(super) channel: usize,
     pub(super) sampler: usize,
     pub(super) node: usize,

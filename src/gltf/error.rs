@@ -29,8 +29,8 @@ pub enum GltfError {
     Extension { name: String, json_path: String, advice: &'static str },
     /// Loading would take more memory than [`LoadOptions::memory_limit`](super::LoadOptions::memory_limit), or all its
     /// allocations together more than eight times that. This guards against small files that fill the memory. `what` is the
-    /// file or the JSON path that the refused allocation is for, and `needed` the least limit that allows it: the memory in use,
-    /// or an eighth of all allocations.
+    /// file or the JSON path that the refused allocation is for, and `needed` the limit that allows it: the memory in use,
+    /// or an eighth of all allocations. The rest of the file may need more.
     #[error(
         "{what}: loading needs a memory limit of at least {needed} bytes, and it is {limit}; raise it if the file is meant to \
          be that large, else split the file"

@@ -17,7 +17,7 @@ struct Size {
 }
 
 /// Refuses a document whose meshes and instances do not fit with `files` bytes of files that are yet to be read. Everything
-/// is charged when it is made; this only knows earlier.
+/// is charged when it is made; this knows earlier. Vertices count as before welding, so it may refuse what would fit.
 pub(super) fn check(document: &Document, graph: &Graph, files: u64, budget: &Budget) -> Result<(), GltfError> {
     let sizes: Vec<Size> =
         document.meshes.iter().map(|mesh| mesh.part.as_ref().map_or(Size::default(), |m| size(document, m))).collect();

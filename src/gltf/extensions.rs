@@ -19,9 +19,9 @@ pub(super) const DRACO_ADVICE: &str =
 /// The name of the Draco extension.
 pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
 
-/// The extensions that a file may require. The loader reads the first of them; each channel of an animation that names a
-/// pointer gets a separate warning. The others are of surfaces, sounds and descriptions, and do not change where triangles
-/// are. A star stands for the rest of a name.
+/// The extensions that a file may require. The loader reads those before compression, and skips each channel of an
+/// animation that names a pointer, with a warning. Compressed views are refused where the plain data is missing. The others
+/// are of surfaces, sounds and descriptions, and do not change where triangles are. A star stands for the rest of a name.
 const SUPPORTED: &[&str] = &[
     "KHR_mesh_quantization",
     "KHR_lights_punctual",

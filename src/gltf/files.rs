@@ -20,7 +20,8 @@ use super::error::GltfError;
 use super::json::shorten;
 use super::warning::Warnings;
 
-/// Gives the content of the file with a relative path, or `None` if there is none.
+/// Gives the content of the file with a path relative to the glTF, or `None` if there is none. Paths are those of
+/// [`relative`]: unchecked.
 pub(super) type Given<'a> = &'a dyn Fn(&str) -> Option<Vec<u8>>;
 
 /// Where the files are that a glTF names.
@@ -49,7 +50,8 @@ impl<'a> Beside<'a> {
             Self::Given(given) => {
                 let refuse = |problem| bad_uri(uri, json_path, problem);
                 let path = relative(uri).map_err(refuse)?;
-                let content = path.to_str().and_then(given);
+                let literal = || uri.contains('%').then(|| given(uri)).flatten();
+                let content = path.to_str().and_then(given).or_else(literal);
                 let content = content.ok_or_else(|| refuse("names a file, but the glTF was given without it"))?;
                 budget.charge_file(content.capacity() as u64, json_path)?;
                 Ok(content)
@@ -68,14 +70,13 @@ pub(super) struct Folder<'a> {
 }
 
 impl Folder<'_> {
-    /// The file that a relative URI names. A symbolic link in the folder may lead out of it, so the path returned is
-    /// the one that the system resolved.
+    /// The file that a relative URI names: with percent signs decoded, or as it is where only that is there. A symbolic link
+    /// in the folder may lead out of it, so the path returned is the one that the system resolved.
     pub(super) fn find(&self, uri: &str, json_path: &dyn Fn() -> String) -> Result<PathBuf, GltfError> {
         let refuse = |problem| bad_uri(uri, json_path, problem);
         let outside = |path| Err(GltfError::Outside { json_path: json_path(), uri: shorten(uri), path });
         let relative = relative(uri).map_err(refuse)?;
-        let leaves = leaves(&relative);
-        if leaves && !self.allow_outside {
+        if !self.allow_outside && leaves(&relative) {
             return outside(relative);
         }
         let folder =
@@ -83,6 +84,10 @@ impl Folder<'_> {
         // The folder of `model.gltf` is the empty path.
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         let named = folder.join(relative);
+        // Some exporters write names as they are, with percent signs.
+        let literal = Path::new(uri);
+        let is_literal = !named.exists() && !leaves(literal) && folder.join(literal).exists();
+        let named = if is_literal { folder.join(literal) } else { named };
         if self.allow_outside {
             return Ok(named);
         }
@@ -94,7 +99,7 @@ impl Folder<'_> {
     }
 }
 
-/// The path that a URI names, relative to the folder of the glTF.
+/// The path that a URI names, relative to the folder of the glTF. It may be absolute or lead outside: see [`leaves`].
 fn relative(uri: &str) -> Result<PathBuf, &'static str> {
     let scheme = uri.split(['/', '?', '#', '%']).next().unwrap_or_default();
     if scheme.contains(':') || uri.starts_with("//") {
@@ -232,6 +237,7 @@ fn data_uri(uri: &str) -> Result<Vec<u8>, &'static str> {
 }
 
 /// All files that a glTF names, in no order: buffers, images, and what extensions name by a `uri`. They need not exist.
+/// Absolute URIs count as names.
 pub(super) fn named(json: &Value, base: Option<&Path>) -> Vec<PathBuf> {
     let Some(base) = base else { return Vec::new() };
     let (mut files, mut rest) = (Vec::new(), vec![json]);

@@ -22,8 +22,8 @@ pub(super) struct Merged {
     pub(super) highest_joints: Vec<HighestJoint>,
 }
 
-/// Merges all triangle primitives of mesh `index`. Vertices of the other primitives are read too, so that their errors
-/// are reported, and then dropped. `skinned_by` is a node that gives the mesh a skin. Without such a node the joints are
+/// Merges all triangle primitives of mesh `index`. Vertices of the other primitives are read too, so that their faults
+/// are warned of, and then dropped. `skinned_by` is a node that gives the mesh a skin. Without such a node the joints are
 /// dropped.
 pub(super) fn merge(reader: &Reader<'_>, index: usize, skinned_by: Option<usize>) -> Result<Merged, GltfError> {
     let named = &reader.document.meshes[index];

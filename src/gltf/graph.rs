@@ -10,9 +10,9 @@ use super::warning::{GltfWarning, Warnings};
 #[derive(Debug)]
 pub(super) struct Graph {
     parents: Vec<Option<usize>>,
-    /// All nodes, parents first.
+    /// All nodes but those in cycles and below them, parents first.
     order: Vec<usize>,
-    /// All nodes of the chosen scene, parents first.
+    /// All nodes of the chosen scene, parents first but for cycles. [`Graph::check`] finds those.
     pub(super) all: Vec<usize>,
     /// The shown ones among them.
     pub(super) scene: Vec<usize>,
@@ -66,7 +66,8 @@ impl Graph {
         })
     }
 
-    /// The world matrix of every node. `local` gives the matrix of a node to its parent's space.
+    /// The world matrix of every node: the identity for those in cycles and below them. `local` gives the matrix of a node
+    /// to its parent's space.
     pub(super) fn world(&self, local: impl Fn(usize) -> DAffine3) -> Vec<DAffine3> {
         let mut world = vec![DAffine3::IDENTITY; self.parents.len()];
         for &node in &self.order {

@@ -4,7 +4,8 @@ use super::error::GltfError;
 use crate::light::Light;
 use crate::mesh::Weld;
 
-/// Options of [`Asset::open`](super::Asset::open) and [`Asset::from_slice`](super::Asset::from_slice).
+/// Options of [`Asset::open`](super::Asset::open), [`Asset::from_slice`](super::Asset::from_slice) and
+/// [`Asset::from_slices`](super::Asset::from_slices).
 ///
 /// A file beyond [`Self::memory_limit`] is refused by the counts that its JSON states, before its data is read. All
 /// allocations together, also those given back, may be eight times the limit, which bounds the time.
@@ -21,13 +22,14 @@ pub struct LoadOptions {
     /// Which vertices are welded.
     pub weld: Weld,
     /// The largest memory, in bytes, that the file may take at one time: the files read, their JSON and data, the
-    /// asset, and one pose, the lights and the mesh of all instances ([`Model::mesh`](crate::Model::mesh)).
+    /// asset, and one pose, the lights, the cameras and the mesh of all instances ([`Model::mesh`](crate::Model::mesh)).
     /// [`GltfError::TooLarge`](super::GltfError::TooLarge) refuses the asset before more is taken. A mesh of a million
     /// faces and one instance counts about 0.1 GiB; the bytes given to [`Asset::from_slice`](super::Asset::from_slice)
     /// and later data, such as a copy on the GPU, do not count. Default: [`LoadOptions::DEFAULT_MEMORY_LIMIT`].
     pub memory_limit: u64,
     /// Whether to read buffers outside the folder of the glTF, by `..`, an absolute path or a symbolic link. The author
     /// of the glTF chooses these files. Default: no, which gives [`GltfError::Outside`](super::GltfError::Outside).
+    /// [`Asset::from_slices`](super::Asset::from_slices) ignores it.
     pub allow_outside: bool,
 }
 
@@ -66,7 +68,7 @@ pub struct AnimationInfo {
 pub struct SkinInfo {
     /// The name, if it has one.
     pub name: Option<String>,
-    /// The number of joints.
+    /// The number of joints. 0 if the skin is damaged.
     pub joints: usize,
 }
 
@@ -75,7 +77,7 @@ pub struct SkinInfo {
 pub struct MeshInfo {
     /// The name, if it has one.
     pub name: Option<String>,
-    /// The number of primitives, including skipped ones.
+    /// The number of primitives, including skipped ones. 0 if the JSON of the mesh is damaged.
     pub primitives: usize,
     /// The number of morph targets of each primitive.
     pub morph_targets: usize,
@@ -112,9 +114,9 @@ pub enum SceneLightKind {
 pub struct SceneLight {
     /// The name of the light, or that of its node.
     pub name: Option<String>,
-    /// The light in world space, relative to [`Asset::origin`](super::Asset::origin), without a range. A point or spot light
-    /// has the node's position and w = 1. A directional light has the node's +Z at length 1 and w = 0: it shines along −Z,
-    /// and [`Light`] points towards the light.
+    /// The light in world space, relative to [`Asset::origin`](super::Asset::origin), without its range and cone: the fields
+    /// below have them. A point or spot light has the node's position and w = 1. A directional light has the node's +Z at
+    /// length 1 and w = 0: it shines along −Z, and [`Light`] points towards the light.
     pub light: Light,
     /// The kind of the light.
     pub kind: SceneLightKind,

@@ -27,7 +27,7 @@ pub(super) struct Built {
     pub(super) colors: Vec<Colors>,
     /// The origin of each instance.
     pub(super) placements: Vec<Placement>,
-    /// The mesh of each geometry.
+    /// The mesh of each geometry: every mesh in order, so the first indices are equal, then rigid variants.
     pub(super) meshes: Vec<usize>,
     /// Result of welding each geometry.
     pub(super) weld_counts: Vec<WeldCounts>,

@@ -12,10 +12,11 @@ use crate::origin::{Origin, half_step};
 /// Where the instances of a file are at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SceneExtent {
-    /// The lowest and the highest corner of a box in world space that holds all instances.
-    pub bounds: [[f64; 3]; 2],
-    /// The most by which a position may be off because it is in `f32`: as the file has it, and relative to
+    /// The lowest and the highest corner of a box in world space that holds all instances. It is not relative to
     /// [`Asset::origin`].
+    pub bounds: [[f64; 3]; 2],
+    /// The most by which a position may be off because it is in `f32`: as the file has it, without offsets of morph
+    /// targets, and relative to [`Asset::origin`].
     pub rounding: f64,
 }
 
@@ -27,17 +28,17 @@ struct Placed<'a> {
 }
 
 impl Asset {
-    /// The origin that [`Asset::pose`] and [`Asset::lights`] are relative to. It is zero until [`Asset::set_origin`] is
-    /// called.
+    /// The origin that [`Asset::pose`], [`Asset::lights`] and [`Asset::each_camera`] are relative to. It is zero until
+    /// [`Asset::set_origin`] is called.
     pub fn origin(&self) -> Origin {
         self.origin
     }
 
-    /// Makes poses and lights relative to this origin. Transforms of nodes are composed in `f64`, the origin is subtracted
-    /// there, and the result is rounded to `f32` once. The model does not change: its geometries are in their
-    /// spaces.
+    /// Makes poses, lights and cameras of the asset relative to this origin, instead of the one before. Transforms of nodes
+    /// are composed in `f64`, the origin is subtracted there, and the result is rounded to `f32` once. The model does not
+    /// change: its geometries are in their spaces.
     ///
-    /// Everything that is seen together needs one origin: other models, lights and cameras, too.
+    /// Everything that is seen together needs one origin: models, lights and cameras of other sources, too.
     ///
     /// ```no_run
     /// # use rimline::gltf::Asset;
@@ -55,7 +56,7 @@ impl Asset {
     /// The origin for all instances at one time, as [`Origin::near`] chooses it: zero for files that `f32` holds well.
     ///
     /// # Errors
-    /// [`GltfError`] as for [`Asset::pose`].
+    /// [`GltfError`] for animations or a time that [`Asset::pose`] refuses.
     pub fn suggested_origin(
         &self,
         animations: impl IntoIterator<Item = usize>,
@@ -66,10 +67,10 @@ impl Asset {
         Ok(extent.map_or(Origin::ZERO, |extent| Origin::near(extent.bounds, || self.smallest_edge_of(&state))))
     }
 
-    /// Where all instances are at one time. `None` if nothing has a finite position.
+    /// Where all instances are at one time. Positions that are not finite do not count. `None` if no position does.
     ///
     /// # Errors
-    /// [`GltfError`] as for [`Asset::pose`].
+    /// [`GltfError`] for animations or a time that [`Asset::pose`] refuses.
     pub fn extent(
         &self,
         animations: impl IntoIterator<Item = usize>,
@@ -82,7 +83,7 @@ impl Asset {
     /// [`Origin::near`] asks for.
     ///
     /// # Errors
-    /// [`GltfError`] as for [`Asset::pose`].
+    /// [`GltfError`] for animations or a time that [`Asset::pose`] refuses.
     pub fn smallest_edge(&self, animations: impl IntoIterator<Item = usize>, time_s: f32) -> Result<f64, GltfError> {
         Ok(self.smallest_edge_of(&self.state(animations, time_s)?))
     }

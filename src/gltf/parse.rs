@@ -37,7 +37,7 @@ pub(super) fn document(value: &Value, budget: &Budget, warnings: &Warnings<'_>) 
     let used = extensions::check(&root, warnings)?;
     warnings.leave_out(texture_indices(value))?;
     let punctual = warnings.leave_out(root.extension("KHR_lights_punctual"))?.flatten();
-    // A list that is none leaves out what it was to hold.
+    // A value that is no array counts as an empty list.
     let lenient =
         |json: &Json<'_>, name| Ok(warnings.leave_out(json.length(name))?.unwrap_or(List { name, length: 0 }));
     let parser = Parser {
@@ -154,7 +154,7 @@ impl Parser<'_> {
         root.elements(list.name)?.map(|json| self.warnings.keep(json.and_then(|json| read(&json)))).collect()
     }
 
-    /// The same for parts that have names. There are none where the list is none.
+    /// The same for parts that have names. There are none where `list` is empty, also because the value is no array.
     fn named<T>(
         &self,
         root: &Json<'_>,

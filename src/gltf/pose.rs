@@ -12,7 +12,8 @@ use super::info::{SceneLight, SceneLightKind, SpotCone};
 use crate::light::Light;
 use crate::model::{InstancePose, ModelError, Pose};
 
-/// World matrices and morph weights of the nodes at one time, as animations set them.
+/// World matrices and morph weights of the nodes at one time, as animations set them. Matrices are relative to the asset's
+/// origin.
 pub(super) struct State {
     pub(super) world: Vec<DAffine3>,
     /// Only for nodes whose weights an animation moves.
@@ -49,10 +50,11 @@ impl Asset {
     }
 
     /// The lights of the chosen scene (`KHR_lights_punctual`) at a time in seconds, in world space, in the order of its
-    /// nodes. Their positions are relative to [`Asset::origin`]. Lights of hidden nodes are none.
+    /// nodes. Their positions are relative to [`Asset::origin`]. Lights of hidden nodes are left out.
     ///
     /// # Errors
-    /// [`GltfError`] as for [`Asset::pose`], and for a light that is damaged. [`Asset::each_light`] gives the others.
+    /// [`GltfError`] for animations or a time that [`Asset::pose`] refuses, and for a light that is damaged or not finite.
+    /// [`Asset::each_light`] gives the others.
     pub fn lights(
         &self,
         animations: impl IntoIterator<Item = usize>,
@@ -61,10 +63,10 @@ impl Asset {
         self.each_light(animations, time_s)?.into_iter().collect()
     }
 
-    /// The same as [`Asset::lights`], where a light that is damaged does not refuse the others.
+    /// The same as [`Asset::lights`], where a light that is damaged or not finite does not refuse the others.
     ///
     /// # Errors
-    /// [`GltfError`] as for [`Asset::pose`].
+    /// [`GltfError`] for animations or a time that [`Asset::pose`] refuses.
     pub fn each_light(
         &self,
         animations: impl IntoIterator<Item = usize>,
@@ -75,7 +77,7 @@ impl Asset {
         Ok(lights.map(|(n, light)| self.light(n, light, &world[n], time_s)).collect())
     }
 
-    /// The name of each of [`Asset::lights`], or that of its node.
+    /// The name of each of [`Asset::each_light`], or that of its node.
     pub fn light_names(&self) -> Vec<Option<&str>> {
         self.names(&self.document.lights, self.nodes_with(&self.graph.scene, |node| node.light.as_ref()))
     }

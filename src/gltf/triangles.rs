@@ -6,8 +6,9 @@ use super::reader::{self, Reader};
 use super::warning::GltfWarning;
 
 /// Counter-clockwise triangles as indices below `vertices`, in the order and with the corners of the specification. A
-/// strip or fan of fewer than three corners has none. Triangles that name a vertex twice stay. An index that restarts
-/// strips begins a new one. `json_path` is the primitive's JSON path.
+/// strip or fan of fewer than three corners has none. Triangles that name a vertex twice stay. The largest index of its
+/// type begins a new strip or fan, and in a list a new triangle unless it names a vertex. `json_path` is the primitive's
+/// JSON path.
 pub(super) fn read(
     reader: &Reader<'_>,
     primitive: &Primitive,

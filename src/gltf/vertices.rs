@@ -13,7 +13,8 @@ pub(super) struct Vertices {
     pub(super) bindings: Bindings,
 }
 
-/// Joints and weights of all vertices, without those of weight zero. Empty for a primitive without joints.
+/// Joints and weights of all vertices, without those of weight zero; a vertex has at least one. Empty for a primitive
+/// without joints.
 #[derive(Debug, Default)]
 pub(super) struct Bindings {
     /// The number of entries of each vertex.
@@ -23,7 +24,7 @@ pub(super) struct Bindings {
     pub(super) highest: Option<HighestJoint>,
 }
 
-/// The highest joint that some vertices of a primitive name.
+/// The highest joint that some vertices of a primitive follow. One of weight zero may be higher.
 #[derive(Clone, Debug)]
 pub(super) struct HighestJoint {
     pub(super) joint: u32,

@@ -28,16 +28,16 @@ pub enum GltfWarning {
     )]
     Skipped(SkippedPrimitives),
     /// Positions, or offsets of a morph target, are infinite or NaN. The faces of these vertices face no light, cast no
-    /// shadow and are not drawn, for any weights.
+    /// shadow and are not drawn. Offsets have this effect while the weight of their target is not 0.
     #[error(
         "{json_path}: {vertices} {} are infinite or NaN, first that of vertex {first}{}",
         if *.is_target { "offsets" } else { "positions" },
-        if *.is_target { "; the faces of these vertices are not drawn" } else { "" }
+        if *.is_target { "; while the target's weight is not 0, the faces of these vertices are not drawn" } else { "" }
     )]
     NonFinite { json_path: String, vertices: usize, first: usize, is_target: bool },
     /// A part breaks the specification. It was read in another way than it is written, or ignored: left-over corners,
-    /// indices that restart, children of two nodes, rotations of length 0, weights without morph targets, channels that
-    /// move nothing, zero bytes after the JSON.
+    /// indices that restart, other colours for the same vertices, children of two nodes, rotations of length 0, weights
+    /// without morph targets, channels that move nothing, zero bytes after the JSON.
     #[error("{json_path}{problem}")]
     Changed { json_path: String, problem: String },
 }

@@ -1,4 +1,4 @@
-//! Files whose coordinates are too large for `f32`: poses and lights relative to an origin.
+//! Files whose coordinates are too large for `f32`: poses, lights and cameras relative to an origin.
 
 use libtest_mimic::{Failed, Trial};
 use rimline::Origin;
@@ -29,10 +29,11 @@ fn far() -> Maker {
     maker.json["nodes"][0]["translation"] = json!([0.017, 0.0, -0.002]);
     maker.push(
         "nodes",
-        json!({ "translation": FAR, "rotation": [0, half, 0, half], "children": [0],
+        json!({ "translation": FAR, "rotation": [0, half, 0, half], "children": [0], "camera": 0,
             "extensions": { "KHR_lights_punctual": { "light": 0 } } }),
     );
     maker.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [{ "type": "point" }] } });
+    maker.push("cameras", json!({ "type": "perspective", "perspective": { "yfov": 1, "znear": 1 } }));
     maker
 }
 
@@ -54,6 +55,8 @@ fn composed() -> Outcome {
     }
     let light = asset.lights(None, 0.0)?[0].light;
     same(&light.xyz, &origin.position(FAR), "the light")?;
+    let eye = asset.each_camera(None, 0.0)?.remove(0)?.eye;
+    same(&eye, &origin.position(FAR), "the camera")?;
     // Without an origin the corner is off by more than a tenth of the square.
     let expected = world(1.0, 1.0);
     let off = (0..3).map(|axis| (before[axis] - expected[axis]).abs()).fold(0.0, f64::max);

@@ -16,6 +16,8 @@ pub(crate) fn tests() -> Vec<Trial> {
     vec![
         test("outside::by_name", by_name),
         test("outside::by_link", by_link),
+        test("outside::names_with_percent_signs", percent),
+        test("outside::a_caller_that_gives_files_is_asked_for_any_path", given),
         test("outside::images_are_not_read", images),
     ]
 }
@@ -109,6 +111,46 @@ fn by_link() -> Outcome {
 
 #[cfg(not(unix))]
 fn by_link() -> Outcome {
+    Ok(())
+}
+
+/// A name that was written as it is, with percent signs. If there is a file with the decoded name, it is that one.
+fn percent() -> Outcome {
+    let folders = Folders::new()?;
+    let file = |name: &str, bytes: &[u8]| std::fs::write(folders.model().join(name), bytes);
+    file("a%20b.bin", &folders.maker.bytes)?;
+    same(folders.load("a%20b.bin", false)?.model(), folders.maker.load()?.model(), "the name as it is")?;
+    file("a b.bin", &[])?;
+    let result = folders.load("a%20b.bin", false).map(|_| ());
+    ensure(matches!(result, Err(GltfError::Invalid { .. })), || format!("the decoded name has no bytes: {result:?}"))?;
+    // A name that leads outside once it is decoded is refused before.
+    file("..%2Fsecret.bin", &folders.maker.bytes)?;
+    folders.is_outside("..%2Fsecret.bin", Path::new("../secret.bin"))?;
+    // The caller is asked for both.
+    let mut maker = Maker::square();
+    uri(&mut maker, "a%20b.bin");
+    for asked in ["a%20b.bin", "a b.bin"] {
+        let find = |path: &str| (path == asked).then(|| maker.bytes.clone());
+        Asset::from_slices(maker.json.to_string().as_bytes(), &find, Weld::Keep)?;
+    }
+    Ok(())
+}
+
+/// Paths outside and absolute ones come to the caller as the glTF has them, with percent signs decoded, by default too.
+fn given() -> Outcome {
+    let mut maker = Maker::square();
+    let expected = maker.load()?;
+    for (name, asked) in [
+        ("own.bin", "own.bin"),
+        ("../secret.bin", "../secret.bin"),
+        ("below/%2E%2E/../secret.bin", "below/../../secret.bin"),
+        ("/secret.bin", "/secret.bin"),
+    ] {
+        uri(&mut maker, name);
+        let find = |path: &str| (path == asked).then(|| maker.bytes.clone());
+        let asset = Asset::from_slices(maker.json.to_string().as_bytes(), &find, Weld::Keep)?;
+        same(asset.model(), expected.model(), name)?;
+    }
     Ok(())
 }
 

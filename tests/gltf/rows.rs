@@ -266,7 +266,11 @@ pub(crate) const UNUSED: &[Row] = &[
     ("rotation", Set(&[("nodes[0].rotation", "[0, 0, 0, 0]")]), "nodes[0].rotation|no rotation"),
     ("mesh_weights", Set(&[("meshes[0].weights", "[1]")]), "meshes[0].weights has 1|no morph targets"),
     ("node_weights", Set(&[("nodes[0].weights", "[1]")]), "nodes[0].weights has 1|no morph targets"),
-    ("nan_target", Make(nan_target), "targets[0].POSITION: 1 offsets|first that of vertex 2"),
+    (
+        "nan_target",
+        Make(nan_target),
+        "targets[0].POSITION: 1 offsets|first that of vertex 2|while the target's weight is not 0",
+    ),
     ("extension", Set(&[("extensionsUsed", "['ACME_fold', 'ACME_fold']")]), "ACME_fold|not read"),
     (
         "child_twice",

@@ -236,3 +236,42 @@ fn boundaries_of_many_corners_take_no_time() {
         assert_eq!(seen(&loops(&[&crossed]), ABOVE), Orientation::Twisted, "{name}");
     }
 }
+
+/// A plate with many holes: each hole's winding number leaves out edges beside its line.
+#[test]
+fn boundaries_of_many_holes_take_no_time() {
+    const SIDE: usize = 40;
+    let hole = |at: usize| {
+        let (x, y) = ((at % SIDE) as f32, (at / SIDE) as f32);
+        // Clockwise, and turned against the others.
+        (0..6)
+            .map(move |corner| (corner as f32 + 0.01 * at as f32).sin_cos())
+            .map(move |(sin, cos)| [x + 0.3 * sin, y + 0.3 * cos, 0.0])
+    };
+    let far = SIDE as f32;
+    let outer = vec![[-1.0, -1.0, 0.0], [far, -1.0, 0.0], [far, far, 0.0], [-1.0, far, 0.0]];
+    let mut plate: Vec<Vec<[f32; 3]>> = vec![outer];
+    plate.extend((0..SIDE * SIDE).map(|at| hole(at).collect()));
+    let sides = |plate: &[Vec<[f32; 3]>]| {
+        let (mut edges, mut positions) = (Vec::new(), Vec::new());
+        for ring in plate {
+            let (first, count) = (positions.len() as u32, ring.len() as u32);
+            edges.extend((0..count).map(|at| [first + at, first + (at + 1) % count]));
+            positions.extend_from_slice(ring);
+        }
+        let boundary = Boundary::new(&edges, &positions).expect("finite corners");
+        [ABOVE, BELOW].map(|light| seen(&boundary, Light::point([19.0, 17.0, 9.0 * light.xyz[2]])))
+    };
+    assert_eq!(sides(&plate), [Orientation::FrontFacing, Orientation::BackFacing]);
+    // A hole the other way around, one in another hole, and one across another.
+    let mut reversed = plate.clone();
+    reversed[SIDE].reverse();
+    assert_eq!(sides(&reversed), [Orientation::Twisted; 2]);
+    for shift in [[0.0, 0.0, 0.0], [0.25, 0.0, 0.0]] {
+        let mut moved = plate.clone();
+        let other = &plate[SIDE / 2];
+        let middle = [(SIDE / 2 - 1) as f32, 0.0, 0.0];
+        moved[7] = other.iter().map(|p| [0, 1, 2].map(|i| middle[i] + 0.5 * (p[i] - middle[i]) + shift[i])).collect();
+        assert_eq!(sides(&moved), [Orientation::Twisted; 2], "{shift:?}");
+    }
+}

@@ -4,8 +4,8 @@
 /// More than 8 · 2⁻⁵³: the error of a determinant in `f64` relative to |u|₁ |v|₁ |t|₁, with the bound's own rounding.
 pub(crate) const RELATIVE: f64 = 1e-15;
 
-/// The sign of a determinant with the computed value `d`, of three vectors that are differences. It is 0 if the sign is
-/// not certain.
+/// The sign of a determinant with the computed value `d`, of three vectors whose components are differences, each rounded
+/// once. It is 0 if the sign is not certain.
 pub(crate) fn certain_sign(d: f64, vectors: [[f64; 3]; 3]) -> i32 {
     let bound = vectors.into_iter().fold(RELATIVE, |bound, v| bound * sum_of_sizes(v));
     i32::from(d > bound) - i32::from(d < -bound)

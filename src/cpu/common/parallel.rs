@@ -2,7 +2,8 @@
 
 use std::num::NonZeroUsize;
 
-/// The number of threads that a function may use.
+/// The number of threads that a function may use. It panics if the system cannot start them: on `wasm32` without threads, use
+/// [`Self::ONE`] or [`Self::all`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Threads(NonZeroUsize);
 

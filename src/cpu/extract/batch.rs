@@ -12,7 +12,7 @@ type Lanes = [f32; LANES];
 pub(crate) struct Batch {
     /// The bits of the determinants above zero.
     pub(crate) masks: [u32; LANES],
-    /// The smallest absolute determinant, or NaN if all are NaN.
+    /// The smallest absolute determinant, or NaN if a corner has a NaN. Infinite corners give no meaning.
     smallest: Lanes,
     normals: [Lanes; 3],
     /// |u|₁ |v|₁.
@@ -20,7 +20,7 @@ pub(crate) struct Batch {
 }
 
 impl Batch {
-    /// `faces` has at most [`LANES`] faces. Unused lanes hold the first vertex three times.
+    /// `faces` has at most [`LANES`] faces. Unused lanes hold zeros: no determinant is above zero.
     #[inline]
     pub(crate) fn new(positions: &[[f32; 3]], faces: &[[u32; 3]], light_batch: &LightBatch) -> Self {
         let mut corners = [[[0.0; LANES]; 3]; 3];
@@ -41,7 +41,7 @@ impl Batch {
                 let to_light = [x - w * a[0][lane], y - w * a[1][lane], z - w * a[2][lane]];
                 let d = n[0][lane] * to_light[0] + n[1][lane] * to_light[1] + n[2][lane] * to_light[2];
                 masks[lane] |= u32::from(d > 0.0) << bit;
-                // A NaN stays. All determinants of the face are NaN then.
+                // With a NaN in a corner all determinants are NaN. `certain` refuses infinite corners by `largest`.
                 smallest[lane] = if smallest[lane] < d.abs() { smallest[lane] } else { d.abs() };
             }
         }
@@ -54,7 +54,7 @@ impl Batch {
     }
 
     /// Which faces one bound makes certain. The WGSL uses the largest coordinate of the face. This uses that of the
-    /// mesh, `largest`. So other faces may be certain, but the bits are the same.
+    /// mesh, `largest`, which is infinite if a coordinate is. So other faces may be certain, but the bits are the same.
     #[inline]
     pub(crate) fn certain(&self, largest: f32, light_batch: &LightBatch) -> [bool; LANES] {
         let is_possible = largest < filter::LARGE;

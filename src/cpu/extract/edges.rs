@@ -8,7 +8,8 @@ use crate::light;
 use crate::mesh::{EdgeRecords, INCONSISTENT_BIT, NO_FACE};
 
 /// Silhouette and winding masks: ⌈N/32⌉ planes with one [`EdgeMasks`] for each edge record. `facing` has planes of
-/// `face_count` facing masks for `light_count` lights. Missing facing masks count as zeros.
+/// `face_count` facing masks for `light_count` lights, without bits of other lights. Masks that the last plane lacks count
+/// as zeros.
 pub fn edges(
     records: &EdgeRecords,
     facing: &[u32],
@@ -21,14 +22,14 @@ pub fn edges(
     masks
 }
 
-/// Masks of faces, in ⌈N/32⌉ planes. Missing ones count as zeros.
+/// Masks of faces, in ⌈N/32⌉ planes. Facing masks that the last plane lacks count as zeros. `twisted` is complete or empty.
 #[derive(Clone, Copy)]
 pub(crate) struct FaceMasks<'a> {
     pub(crate) facing: &'a [u32],
     pub(crate) twisted: &'a [u32],
 }
 
-/// Like [`edges`], into a vector that is reused.
+/// Like [`edges`], into a vector that is reused. Planes that `faces` lacks altogether keep what they held.
 pub(crate) fn edges_into(
     masks: &mut Vec<EdgeMasks>,
     records: &EdgeRecords,
@@ -96,7 +97,7 @@ fn consistent_masks([face_0, face_1]: [u32; 2], facing: &[u32]) -> EdgeMasks {
     EdgeMasks { silhouette: winding ^ mask(facing, face_1), winding }
 }
 
-/// The bits of one edge record.
+/// The bits of one edge record. Only boundary and inconsistent records mask the silhouette by `live`.
 fn edge_masks([face_0, face_1]: [u32; 2], facing: &[u32], live: u32) -> EdgeMasks {
     let mask = |face: u32| mask(facing, face);
     let winding = mask(face_0 & !INCONSISTENT_BIT);
@@ -108,7 +109,7 @@ fn edge_masks([face_0, face_1]: [u32; 2], facing: &[u32], live: u32) -> EdgeMask
     EdgeMasks { silhouette, winding }
 }
 
-/// The bits of one edge record, for the lights of `live`.
+/// The bits of one edge record, for the lights of `live`. Bits of other lights may be set, too.
 #[cfg(feature = "gpu")]
 pub(crate) fn record_masks(faces: [u32; 2], masks: FaceMasks<'_>, live: u32) -> EdgeMasks {
     if masks.twisted.is_empty() {

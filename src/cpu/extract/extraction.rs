@@ -20,7 +20,8 @@ pub struct Extraction {
     /// [`Polygons::masks_of`](crate::mesh::Polygons::masks_of) makes one a polygon of them. Empty for the per-edge method.
     pub facing: Vec<u32>,
     /// For each triangle the lights for which its polygon is twisted: its boundary is not simple as seen from them.
-    /// For these it faces nothing, and its edges are boundaries of its neighbours. Empty if all faces are triangles.
+    /// For these it faces nothing, and its edges are boundaries of its neighbours. Empty for a mesh without
+    /// [`Mesh::polygons`], and for the per-edge method.
     pub twisted: Vec<u32>,
     /// Silhouette and winding masks for each edge record.
     pub masks: Vec<EdgeMasks>,
@@ -30,11 +31,11 @@ pub struct Extraction {
 
 impl Extraction {
     /// Computes facing, silhouette and winding bits of `mesh` at `positions`. Lights are in the space of the positions.
-    /// The memory of an earlier call is reused. No lights are allowed. Polygons are decided exactly by any predicate.
+    /// The memory of an earlier call is reused. `lights` may be empty. Polygons are decided exactly by any predicate.
     ///
     /// # Errors
     /// [`CpuError`] for fewer positions than the mesh has vertices, more lights than [`MAX_LIGHTS`], or a light that
-    /// is non-finite, all zeros or has an impossible range. Nothing is changed then.
+    /// is non-finite, all zeros or has an impossible range or cone. Nothing is changed then.
     pub fn update(
         &mut self,
         positions: &[[f32; 3]],

@@ -11,15 +11,16 @@ use crate::light::Light;
 use crate::mesh::is_degenerate;
 use crate::method::Predicate;
 
-/// Statistics of facing.
+/// Statistics of facing. All are 0 without lights.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FacingStatistics {
-    /// Faces with a vertex that is infinite, NaN or missing. They face no light.
+    /// Faces with a vertex that is infinite, NaN or missing. They face no light. A polygon counts as a face.
     pub non_finite_faces: u32,
-    /// Pairs of face and light that the filter left to exact arithmetic. With polygons: pairs whose polygon is not convex as
-    /// seen from the light.
+    /// Pairs of face and light that the filter left to exact arithmetic: none but for
+    /// [`Predicate::Exact`](crate::Predicate::Exact). With polygons, by any predicate: pairs whose polygon is neither strictly
+    /// convex as seen from the light nor a quadrilateral without a turn of 0. The number wraps at 2³².
     pub undecided_pairs: u32,
-    /// The undecided pairs whose determinant is exactly zero: the light is in the face's plane.
+    /// The undecided pairs whose determinant is exactly zero: the light is in the face's plane, or the face has no area.
     pub exact_zeros: u32,
 }
 

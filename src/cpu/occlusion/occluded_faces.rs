@@ -31,8 +31,8 @@ pub struct OcclusionCaster<'a> {
 /// Counts of a search.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct OcclusionStatistics {
-    /// Faces that were searched: all finite ones, but for polygons that are not exactly planar and strictly convex as seen
-    /// from the light.
+    /// Faces that were searched: all finite ones, but for triangles that name a vertex twice, and polygons that have holes or
+    /// are not exactly planar and strictly convex as seen from the light.
     pub tried: usize,
     /// Faces that are occluded.
     pub occluded: usize,
@@ -48,18 +48,18 @@ pub struct OcclusionStatistics {
     pub undecided: usize,
     /// Faces that still cast and occlude no other face, or only by a part of them, because the tree was full.
     pub without_room: usize,
-    /// Nodes of all trees.
+    /// Nodes of all trees, without those of the planes between cones.
     pub nodes: usize,
 }
 
 /// The faces of static casters whose shadow lies wholly in the shadow of other faces, for one light. They need not cast: see
 /// [`Scene::set_occluded_faces`](crate::gpu::Scene::set_occluded_faces). All decisions are exact.
 ///
-/// The faces that occlude others are back-facing ones of closed meshes, and all faces of other meshes. They are never
-/// occluded themselves. Polygons take part if they are exactly planar and strictly convex, as a whole. The method is
-/// Batagelo and Costa Júnior's (1999): an SVBSP grows front to back, and a face that straddles a plane goes to both
-/// sides. The choice among the occluded faces gives silhouettes the fewest edges, so they never gain any, unless
-/// [`OcclusionOptions::leave_out_all`] is set.
+/// Faces that may occlude others are back-facing ones of closed meshes, and all of other meshes that the light is not in the
+/// plane of. One that occludes another is not occluded itself. Polygons take part if they have no holes and are exactly
+/// planar and strictly convex, as a whole. The method is Batagelo and Costa Júnior's (1999): an SVBSP grows front to back,
+/// and a face that straddles a plane goes to both sides. The choice among the occluded faces gives silhouettes the fewest
+/// edges, so they never gain any, unless [`OcclusionOptions::leave_out_all`] is set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OccludedFaces {
     light: Light,
@@ -79,7 +79,8 @@ pub(crate) struct OccludedOfCaster {
 impl OccludedFaces {
     /// Finds the occluded faces. It takes no device and may run on a thread of its own. `progress` is called now and
     /// then with the number of faces tried and of all to try; [`ControlFlow::Break`] ends the search. A face counts in each
-    /// cone of directions that it is in. The first number never becomes smaller, and the second stays the same.
+    /// cone of directions that it is in. The first number never becomes smaller, and the second stays the same. Range and
+    /// cone of the light have no effect.
     ///
     /// # Errors
     /// [`CpuError`] for a light that shadows refuse, missing positions, or if `progress` ends it.
@@ -126,7 +127,7 @@ impl OccludedFaces {
     }
 
     /// The occluded faces of a caster that are left out, by its number in the list that was given. They are ascending
-    /// numbers of faces in its mesh.
+    /// numbers below [`Mesh::face_count`]: in a mesh with polygons those of polygons, else indices in [`Mesh::faces`].
     pub fn faces(&self, caster: usize) -> &[u32] {
         self.casters.get(caster).map_or(&[], |of_caster| &of_caster.faces)
     }
@@ -143,7 +144,8 @@ struct Participants {
     faces: Vec<Face>,
     /// For each of `faces` the caster, and the face's index in its mesh.
     owners: Vec<(usize, u32)>,
-    /// For each caster which faces of its mesh are front-facing. Faces that are not searched count as back-facing.
+    /// For each caster which faces of its mesh are front-facing. Faces that are not searched, or in a plane with the light,
+    /// count as back-facing.
     facing: Vec<Vec<bool>>,
     /// How many faces are searched. A polygon counts once.
     tried: usize,

@@ -21,8 +21,9 @@ pub(crate) fn many_edges(edges: &[Edge], light: [f32; 4]) -> Option<Orientation>
     }
     // No edges meet, so the region on the left of an edge goes on along the next one, up to a corner where others begin.
     let windings = chains(edges).into_iter().map(|e| {
-        let of = |f: usize| if f == e { 0 } else { edge_pair(edges[e], edges[f], light).left_of_e };
-        (0..edges.len()).map(of).sum::<i32>()
+        // An edge all on one side of the line of `e` does not pass it: it counts 0.
+        let passing = (0..edges.len()).filter(|&f| f != e && !flat.are_apart(e, f));
+        passing.map(|f| edge_pair(edges[e], edges[f], light).left_of_e).sum::<i32>()
     });
     Some(Orientation::of_windings(&windings.collect::<Vec<i32>>()))
 }
@@ -159,7 +160,8 @@ impl Flat {
         })
     }
 
-    /// Whether all of one edge is on one side of the line through another.
+    /// Whether all of edge `f` is certainly on one side of the line through `e`: the turns from `e` to its ends are equal and
+    /// not 0.
     fn are_apart(&self, e: usize, f: usize) -> bool {
         let minus = |p: [f64; 2], q: [f64; 2]| [p[0] - q[0], p[1] - q[1]];
         let size = |v: [f64; 2]| v[0].abs() + v[1].abs();

@@ -9,7 +9,8 @@ pub enum Orientation {
     BackFacing,
     /// Each edge is in one plane with the light and each corner. The light sees no area.
     InPlane,
-    /// All others: the boundary crosses itself, goes around the light, or has a hole outside its outer loop.
+    /// All others: the boundary crosses or touches itself, but for corners at one point, goes around the light, or has a
+    /// hole outside its outer loop.
     Twisted,
 }
 

@@ -12,7 +12,7 @@ use crate::light;
 use crate::mesh::Polygons;
 
 /// Masks of polygons for `lights`: ⌈N/32⌉ planes with one [`PolygonMasks`] for each polygon. A vertex that `positions`
-/// lacks counts as non-finite. `undecided_pairs` counts what turns left to all pairs of edges, and `exact_zeros`
+/// lacks counts as non-finite. `undecided_pairs` counts what turns left to pairs of edges, and `exact_zeros`
 /// polygons in a plane with a light.
 pub fn polygon_facing(
     positions: &[[f32; 3]],

@@ -33,7 +33,8 @@ impl Boundary {
         Some(Self { corners: edges.iter().map(|edge| edge[0]).collect(), is_loop: is_loop(&edges), edges })
     }
 
-    /// The side that a finite light sees, exactly. [`Extraction`](crate::cpu::Extraction) has its bits.
+    /// The side that a finite light sees, exactly. [`Extraction`](crate::cpu::Extraction) has its bits. A boundary without
+    /// edges is [`Orientation::InPlane`].
     pub fn orientation(&self, light: Light) -> Orientation {
         self.decide(light.to_array()).0
     }

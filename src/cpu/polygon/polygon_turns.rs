@@ -3,8 +3,8 @@
 use super::corner_turn::turn_as_given;
 use super::orientation::Orientation;
 
-/// The corners whose turns must be equal for a loop of `count` corners to be strictly convex. Four corners need four
-/// turns; more corners also need those that show that the loop goes around once.
+/// The corners whose turns must be equal for a loop of `count` corners to be strictly convex. Three corners need one turn,
+/// four need four; more corners also need those that show that the loop goes around once.
 pub(crate) fn convex_turns(count: usize) -> impl Iterator<Item = [usize; 3]> {
     let next = move |corner: usize| if corner + 1 < count { corner + 1 } else { 0 };
     let corners = (0..if count == 3 { 1 } else { count }).map(move |corner| [corner, next(corner), next(next(corner))]);

@@ -38,7 +38,7 @@ impl Turns {
     }
 }
 
-/// Decides a range of polygons. `largest` is the largest coordinate there is.
+/// Decides a range of polygons. `largest` is the largest absolute coordinate there is.
 pub(crate) fn turns_batch(
     positions: &[[f32; 3]],
     polygons: &Polygons,

@@ -34,7 +34,7 @@ pub fn shadow_boxes(positions: &[[f32; 3]], mesh: &Mesh, threads: Threads) -> Ve
 /// A range of clusters that holds every mesh.
 const ANY_RANGE: usize = usize::MAX / CLUSTER;
 
-/// The clusters of a mesh without their boxes, with its faces in order. No polygon lies in two ranges of `range`
+/// The clusters of a mesh without their boxes, with its triangles in order. No polygon lies in two ranges of `range`
 /// clusters: entries before one that would stay empty. A polygon with more faces than a range still does, see
 /// [`largest_polygon`].
 pub(crate) fn clusters(mesh: &Mesh, range: usize) -> Vec<FaceCluster> {

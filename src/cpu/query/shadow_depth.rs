@@ -23,11 +23,12 @@ use crate::mesh::{Mesh, NO_FACE, is_degenerate};
 /// A point that is on a face may lie before or behind it after rounding: [`shadow_depth_on_faces`] leaves that face out, and
 /// [`Light::lift`] moves points off all faces.
 ///
-/// The GPU gives the same integers. Here `f64` decides where a bound allows it, else integers do.
+/// The GPU gives the same integers. Here `f64` decides where a bound allows it, else integers do. Range and cone of a light
+/// have no effect.
 ///
 /// # Errors
 /// [`CpuError`] for fewer positions than the mesh has vertices, more lights than [`MAX_LIGHTS`], or a light that is
-/// non-finite, all zeros, has an impossible range or a negative `w`.
+/// non-finite, all zeros, has an impossible range or cone, or a negative `w`.
 pub fn shadow_depth(
     positions: &[[f32; 3]],
     mesh: &Mesh,
