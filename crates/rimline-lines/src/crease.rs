@@ -5,7 +5,7 @@ use num_bigint::BigInt;
 use crate::exact::{big, integer_cross, window};
 use crate::view::{cross, dot};
 
-/// The corners of the triangles of a face.
+/// The corners of a triangle of a face.
 type Corners = [[f32; 3]; 3];
 
 /// An angle, by its cosine.

@@ -22,14 +22,15 @@ use crate::world::World;
 /// Lines at a time.
 const RUN: usize = 256;
 
-/// Draws objects as an eye sees them. `progress` is called now and then with the number of lines that are done and of all, which are 0
-/// while lines are looked for; it may end the drawing. The same input gives the same drawing with any number of threads.
+/// Draws objects as an eye sees them. `progress` is called now and then with about the number of lines that are done, and that of
+/// all; both are 0 while intersections are looked for. It may end the drawing. The same input gives the same drawing with any
+/// number of threads.
 ///
-/// A faulty object is left out and named in [`Drawing::left_out`].
+/// [`Drawing::left_out`] names faulty objects. They are left out, but for [`Fault::NoSuchEdge`](crate::Fault::NoSuchEdge).
 ///
 /// # Errors
-/// [`LinesError`] for options out of range, too many faces, too little memory by [`LineOptions::memory_limit`], or if `progress`
-/// ends it.
+/// [`LinesError`] for options out of range, too many faces, too little memory by [`LineOptions::memory_limit`], or if
+/// `progress` ends it.
 pub fn draw(
     objects: &[Object<'_>],
     view: &View,
@@ -99,7 +100,7 @@ fn check(options: &LineOptions) -> Result<(), LinesError> {
     Ok(())
 }
 
-/// Compares an estimate with the limit. With `lines` 0 it is what finding the lines takes.
+/// Compares an estimate with the limit. With `lines` 0 it is what finding the lines takes, without those where faces meet.
 fn check_memory(world: &World<'_>, lines: usize, options: &LineOptions) -> Result<(), LinesError> {
     let Some(limit) = options.memory_limit else { return Ok(()) };
     let vertices = world.positions.len();

@@ -20,7 +20,7 @@ pub(crate) struct Line {
     pub(crate) class: LineClass,
     /// The index among the objects that are drawn.
     pub(crate) placed: u32,
-    /// The edge record, or the number of the faces that meet for an intersection.
+    /// The edge record, the first of its edge; for an intersection the index of its faces in [`World::meetings`].
     pub(crate) record: u32,
 }
 
@@ -40,7 +40,7 @@ impl Line {
 /// Edge records at a time.
 const RUN: usize = 1 << 14;
 
-/// The lines of all objects.
+/// The lines of all objects, but those where faces meet.
 pub(crate) fn lines(
     world: &World<'_>,
     options: &LineOptions,
@@ -72,7 +72,7 @@ struct Asked<'a> {
     masks: Extraction,
     /// Records of edges that have several, and the first of each edge.
     shared: Vec<[u32; 2]>,
-    /// Edges of several records whose faces lie in two half-planes, by the first record, in order.
+    /// Edges of several records whose faces lie in two half-planes, by the first record, in order. A mesh of polygons has none.
     folds: Vec<(u32, Fold)>,
     marked: Marked,
 }
@@ -120,7 +120,7 @@ impl Asked<'_> {
                 let edge = object.mesh.edges().get(record as usize)?;
                 let masks = self.masks.masks[record as usize];
                 vertices = sorted(edge.vertices);
-                // A face is to the left of the edge if the eye is in front of it and it walks the edge that way.
+                // A face is to the left of the edge if the eye is in front of it and it walks the edge that way, or neither.
                 let (is_forward, facing) = (edge.vertices == vertices, masks.winding & 1 != 0);
                 faces.push((edge.face_0, is_forward == facing));
                 if let Some(face_1) = edge.face_1 {

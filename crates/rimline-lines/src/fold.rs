@@ -6,7 +6,8 @@ use crate::crease::Crease;
 use crate::exact::face_value;
 use crate::object::Object;
 
-/// An edge with several records if its faces lie in two half-planes.
+/// An edge with several records, if its faces lie in two half-planes and those of each are on one side on the page. Faces that
+/// coincide and run both ways around are on no side when they are seen edge-on.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fold {
     pub(crate) is_silhouette: bool,
@@ -16,7 +17,8 @@ pub(crate) struct Fold {
 }
 
 impl Fold {
-    /// Looks at the faces of one edge, each with the side of it on the page: `true` for the left.
+    /// Looks at the faces of one edge, all triangles, each with the side of it on the page: `true` for the left of the edge from
+    /// its first vertex.
     pub(crate) fn new(object: &Object<'_>, vertices: [u32; 2], faces: &[(u32, bool)], crease: Crease) -> Option<Self> {
         let edge = vertices.map(|vertex| object.positions[vertex as usize]);
         let apex = |face: u32| {

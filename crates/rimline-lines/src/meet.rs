@@ -173,8 +173,8 @@ impl PreparedFace {
             [c, first, b] if first == shared => [b, c],
             [b, c, _] => [b, c],
         };
-        // Both planes meet along the line from the corner to where the other face's third edge pierces this plane. This face lies
-        // there between its two edges, or elsewhere.
+        // Both planes meet along the line from the corner to where the other face's third edge pierces this plane. This face is
+        // there, between its two edges, or elsewhere.
         let away = |to: [f32; 3]| [0, 1, 2].map(|axis| f64::from(to[axis]) - f64::from(at[axis]));
         let [p, q] = [away(p), away(q)];
         let (from_p, from_q) = (from_p.number().abs(), from_q.number().abs());
@@ -222,7 +222,8 @@ fn crossings(face: &Face, other: &Face) -> Option<[(End, [f64; 3]); 2]> {
     let [a, b, c] = other.positions;
     let plane = Plane::of_face(a, b, c);
     let is_in = face.positions.map(|position| other.positions.contains(&position));
-    // A corner is in the plane. With all others on one side, that is all that is, unless it is an edge that is drawn from behind.
+    // Corners that both faces have are in the plane. With all others on one side this face does not pass through it; but an edge
+    // in the plane is drawn if the third corner is behind.
     let is_edge_in = is_in.into_iter().filter(|is_in| *is_in).count() == 2;
     if is_beside(&plane, is_in, face.positions, if is_edge_in { &[1] } else { &[1, -1] }) {
         return None;

@@ -18,14 +18,16 @@ pub(crate) struct Placed<'a> {
     /// Its number among the objects given.
     pub(crate) number: u32,
     pub(crate) object: &'a Object<'a>,
-    /// Its first vertex and its first face among all.
+    /// Its first vertex among all.
     pub(crate) first_vertex: u32,
+    /// The first of its numbers of polygons. They differ from those of other objects, but are no numbers of triangles.
     pub(crate) first_face: u32,
 }
 
 /// The objects that can be drawn, and the eye.
 pub(crate) struct World<'a> {
     pub(crate) placed: Vec<Placed<'a>>,
+    /// The vertices of all objects. Those that no edge record names may be infinite or NaN.
     pub(crate) positions: Cow<'a, [[f32; 3]]>,
     pub(crate) view: View,
     pub(crate) eye: Eye,
