@@ -176,7 +176,7 @@ fn shared_edges(mesh: &Mesh) -> Vec<[u32; 2]> {
     shared
 }
 
-/// Marked edges, in order.
+/// Marked edges in order, each once.
 struct Marked(Vec<[u32; 2]>);
 
 fn sorted([a, b]: [u32; 2]) -> [u32; 2] {
@@ -189,6 +189,8 @@ impl Marked {
         let object = placed.object;
         let mut all: Vec<_> = object.marked.iter().copied().map(sorted).collect();
         all.sort_unstable();
+        // A search finds one of those that are equal.
+        all.dedup();
         let mut is_edge = vec![false; all.len()];
         if !all.is_empty() {
             for &edge in object.mesh.edges().vertices() {

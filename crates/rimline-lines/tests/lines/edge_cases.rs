@@ -110,7 +110,8 @@ fn faulty_objects_are_named() {
     let shapes = [bad, good.clone(), short];
     let mut objects = objects(&shapes);
     objects[0].name = "bad".to_owned();
-    objects[1].marked = vec![[0, 7]];
+    // An edge that is marked twice is no fault.
+    objects[1].marked = vec![[0, 7], [0, 1], [1, 0]];
     let drawing = draw(&objects, &aside(), &LineOptions::default(), go_on).expect("drawn");
     let faults = drawing.left_out.iter().map(|left_out| (left_out.object, &*left_out.name, left_out.fault));
     let expected = [
