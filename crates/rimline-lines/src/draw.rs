@@ -22,9 +22,9 @@ use crate::world::World;
 /// Lines at a time.
 const RUN: usize = 256;
 
-/// Draws objects as an eye sees them. `progress` is called now and then with about the number of lines that are done, and that of
-/// all; both are 0 while intersections are looked for. It may end the drawing. The same input gives the same drawing with any
-/// number of threads.
+/// Draws objects as an eye sees them. `progress` is called now and then with about the number of lines that are done, and that
+/// of all; both are 0 while intersections are looked for. It may end the drawing. The same input gives the same drawing with
+/// any number of threads.
 ///
 /// [`Drawing::left_out`] names faulty objects. They are left out, but for [`Fault::NoSuchEdge`](crate::Fault::NoSuchEdge).
 ///

@@ -17,8 +17,8 @@ pub struct Span {
     /// The edge, as an index in [`rimline::Mesh::edges`]; an edge of several records has the lowest. `None` for an
     /// intersection.
     pub edge: Option<u32>,
-    /// The faces of the edge record, or those that pass through each other. The second is `None` if the record has one face. The
-    /// further faces of an edge of several records are not here.
+    /// The faces of the edge record, or those that pass through each other. The second is `None` if the record has one face.
+    /// The further faces of an edge of several records are not here.
     pub faces: [Option<FaceId>; 2],
     /// Its ends in world space.
     pub ends: [[f64; 3]; 2],

@@ -17,8 +17,8 @@ pub(crate) struct Fold {
 }
 
 impl Fold {
-    /// Looks at the faces of one edge, all triangles, each with the side of it on the page: `true` for the left of the edge from
-    /// its first vertex.
+    /// Looks at the faces of one edge, all triangles, each with the side of it on the page: `true` for the left of the edge
+    /// from its first vertex.
     pub(crate) fn new(object: &Object<'_>, vertices: [u32; 2], faces: &[(u32, bool)], crease: Crease) -> Option<Self> {
         let edge = vertices.map(|vertex| object.positions[vertex as usize]);
         let apex = |face: u32| {

@@ -222,8 +222,8 @@ fn crossings(face: &Face, other: &Face) -> Option<[(End, [f64; 3]); 2]> {
     let [a, b, c] = other.positions;
     let plane = Plane::of_face(a, b, c);
     let is_in = face.positions.map(|position| other.positions.contains(&position));
-    // Corners that both faces have are in the plane. With all others on one side this face does not pass through it; but an edge
-    // in the plane is drawn if the third corner is behind.
+    // Corners that both faces have are in the plane. With all others on one side this face does not pass through it; but an
+    // edge in the plane is drawn if the third corner is behind.
     let is_edge_in = is_in.into_iter().filter(|is_in| *is_in).count() == 2;
     if is_beside(&plane, is_in, face.positions, if is_edge_in { &[1] } else { &[1, -1] }) {
         return None;

@@ -12,8 +12,8 @@ pub enum LineClass {
     Silhouette,
     /// An edge of one face.
     Boundary,
-    /// An edge of more than two faces. Triangles that lie in two half-planes, as in a mesh whose faces are there twice, count as
-    /// two.
+    /// An edge of more than two faces. Triangles that lie in two half-planes, as in a mesh whose faces are there twice, count
+    /// as two.
     NonManifold,
     /// Where two faces meet at an angle.
     Crease,

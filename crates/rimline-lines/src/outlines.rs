@@ -79,8 +79,8 @@ fn is_too_near(placed: &Placed<'_>, view: &View, near: f64) -> bool {
     view.is_perspective() && vertices.any(|&vertex| depth(vertex) < near)
 }
 
-/// Closed loops whose winding number about a point of the page is the number of faces there; half of it if the mesh is closed and
-/// consistently oriented.
+/// Closed loops whose winding number about a point of the page is the number of faces there; half of it if the mesh is closed
+/// and consistently oriented.
 ///
 /// A face whose back the eye sees is walked the other way round. Edges between two faces with the same facing cancel.
 fn loops(placed: &Placed<'_>, view: &View, threads: Threads) -> Result<Vec<Vec<[f64; 2]>>, LinesError> {
