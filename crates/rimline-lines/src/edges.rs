@@ -7,6 +7,7 @@ use rimline::{Mesh, Predicate};
 use crate::crease::Crease;
 use crate::drawing::FaceId;
 use crate::error::{Fault, LeftOut, LinesError};
+use crate::exact::Eye;
 use crate::fold::Fold;
 use crate::options::{LineClass, LineOptions};
 use crate::parallel::ranges;
@@ -53,7 +54,8 @@ pub(crate) fn lines(
         let shared = shared_edges(&object.mesh);
         let marked = Marked::new(placed, left_out);
         let crease = Crease::new(options.crease_degrees);
-        let mut asked = Asked { placed, number, options, crease, masks, shared, folds: Vec::new(), marked };
+        let (eye, folds) = (world.eye, Vec::new());
+        let mut asked = Asked { placed, number, options, eye, crease, masks, shared, folds, marked };
         asked.folds = asked.folds();
         let found = ranges(options.threads, object.mesh.edges().len(), RUN, |range| {
             range.filter_map(|record| asked.line(record as u32)).collect::<Vec<_>>()
@@ -68,6 +70,7 @@ struct Asked<'a> {
     placed: &'a Placed<'a>,
     number: u32,
     options: &'a LineOptions,
+    eye: Eye,
     crease: Crease,
     masks: Extraction,
     /// Records of edges that have several, and the first of each edge.
@@ -129,7 +132,7 @@ impl Asked<'_> {
                     faces.push((face_1, (is_forward == is_same_way) == is_facing));
                 }
             }
-            Some((records[0][0], Fold::new(object, vertices, &faces, self.crease)?))
+            Some((records[0][0], Fold::new(object, vertices, &faces, self.crease, self.eye)?))
         };
         by_edge.chunk_by(|one, other| one[0] == other[0]).filter_map(fold).collect()
     }

@@ -302,6 +302,18 @@ fn doubled_faces_are_drawn_as_one() {
     assert!(lines(&[shape(positions, &faces)]).iter().any(|(class, _)| *class == LineClass::NonManifold));
 }
 
+/// Edges of faces that are there both ways around are those of one surface, also where the eye sees faces edge-on.
+#[test]
+fn doubled_faces_edge_on() {
+    let Shape { positions, mesh } = cuboid([0.0; 3], [1.0; 3]);
+    let turned = mesh.faces().iter().map(|&[a, b, c]| [a, c, b]);
+    let faces: Vec<_> = mesh.faces().iter().copied().chain(turned).collect();
+    let front = View::orthographic([0.0, -1.0, 0.0], [0.0, 0.0, 1.0]).expect("a view");
+    let drawing = drawn(&[shape(positions, &faces)], &front);
+    let outline = drawing.spans.iter().filter(|span| span.class == LineClass::Silhouette && span.faces_in_front == 0);
+    assert_eq!((drawing.spans.len(), outline.count()), (4, 4), "{drawing:?}");
+}
+
 /// Lines end at the window and at the near plane.
 #[test]
 fn windows_cut_lines() {
