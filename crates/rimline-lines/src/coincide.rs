@@ -10,7 +10,7 @@ use crate::options::LineClass;
 use crate::parallel::ranges;
 use crate::tree::{Box3, Tree};
 
-/// Overlaps shorter than this share of a line's page are none. Of lines that coincide with others, shorter rests are left out.
+/// Overlaps shorter than this share of a line's page are none. Shorter rests of lines that coincide are left out.
 const LEAST: f64 = 1e-7;
 /// Lines at a time.
 const RUN: usize = 1024;

@@ -34,7 +34,7 @@ pub(crate) struct Frame {
 
 /// The share of all lights' light that is ambient.
 const AMBIENT: f32 = 0.27;
-/// What the ground throws back: `ALBEDO` of `ground.wgsl`.
+/// The share of light that the ground throws back: `ALBEDO` of `ground.wgsl`.
 const GROUND: Vec3 = Vec3::new(0.80, 0.79, 0.77);
 
 /// A scene as a picture shows it.
