@@ -199,6 +199,14 @@ fn meeting(one: &Face, other: &Face) -> Option<[End; 2]> {
     if (one.placed, one.number) == (other.placed, other.number) {
         return None;
     }
+    // Fans of large polygons have many pairs in one plane. Where that is across an axis, they need no integers.
+    let is_flat = |axis: usize| {
+        let [level, ..] = one.positions.map(|position| position[axis]);
+        one.positions.iter().chain(&other.positions).all(|position| position[axis] == level)
+    };
+    if (0..3).any(is_flat) {
+        return None;
+    }
     let crossings = [crossings(one, other)?, crossings(other, one)?];
     // All four are in line, along the axis where they are farthest apart.
     let points = crossings.map(|ends| ends.map(|(_, point)| point));
