@@ -55,8 +55,8 @@ pub fn draw(
     let tree = hiders(&world, &frame, &parts, options.threads);
     let pieces = pieces(&world, &frame, &tree, &lines, &parts, options, &mut progress)?;
     drop(tree);
-    check_count("pieces of lines", pieces.len(), u32::MAX as usize / 2)?;
     let pieces = Drawn { world: &world, lines: &lines, parts: &parts, pieces: &pieces }.once(&frame, options.threads);
+    check_count("pieces of lines", pieces.len(), u32::MAX as usize / 2)?;
     let (spans, chains) = chains(&Drawn { world: &world, lines: &lines, parts: &parts, pieces: &pieces });
     left_out.sort_by_key(|left_out| left_out.object);
     Ok(Drawing { spans, chains, left_out })
