@@ -91,7 +91,7 @@ impl<'a> World<'a> {
         }
     }
 
-    /// The bits of the positions of a line's ends, the lower one first. `None` if one is no vertex.
+    /// The bits of the positions of a line's ends, −0 as 0, the lower one first. `None` if one is no vertex.
     pub(crate) fn key(&self, vertices: [u32; 2]) -> Option<Ends> {
         let bits = |vertex: u32| Some(self.positions.get(vertex as usize)?.map(|c| (c + 0.0).to_bits()));
         let (a, b) = (bits(vertices[0])?, bits(vertices[1])?);
