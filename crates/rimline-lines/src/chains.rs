@@ -10,7 +10,7 @@ use crate::options::LineClass;
 type End = u32;
 const NONE: End = u32::MAX;
 
-/// Where more ends than this meet, they are joined in order and not by angle.
+/// Where more ends than this meet, each is joined with the next that fits, not by angle, and some may stay alone.
 const BY_ANGLE: usize = 16;
 
 /// The spans of all pieces in the order of their chains.
@@ -152,7 +152,8 @@ impl Drawn<'_> {
         pairs
     }
 
-    /// The cosine of the angle on the page between the directions in which two pieces leave their common end: −1 for a straight row.
+    /// The cosine of the angle on the page between the directions in which two pieces leave their common end: −1 for a straight
+    /// row.
     fn cosine(&self, one: End, other: End) -> f64 {
         let direction = |end: End| {
             let page = self.parts[self.pieces[end as usize / 2].line as usize].map_or([[0.0; 2]; 2], |part| part.page);

@@ -10,19 +10,20 @@ use crate::options::LineClass;
 use crate::parallel::ranges;
 use crate::tree::{Box3, Tree};
 
-/// Overlaps shorter than this share of a line's page are none.
+/// Overlaps shorter than this share of a line's page are none. Shorter rests of lines that coincide are left out.
 const LEAST: f64 = 1e-7;
 /// Lines at a time.
 const RUN: usize = 1024;
 
 impl Drawn<'_> {
-    /// The pieces without those that lie behind a better one on the page: visible before hidden, then the higher class, then the one
-    /// with fewer faces in front, then the first.
+    /// The pieces without what coincides with a better piece, in front of it or behind it. Visible ones are better than hidden
+    /// ones, then those of the higher class, then those with fewer faces in front, then those of the first line.
     pub(crate) fn once(&self, frame: &Frame, threads: Threads) -> Vec<Piece> {
         let item = |(line, part): (u32, &Option<Part>)| Some((frame.bounds_of_part(part.as_ref()?), line));
         let items: Vec<_> = (0..).zip(self.parts).filter_map(item).collect();
         let tree = Tree::new(items.len(), (2, &Box3::UNIT), threads, |at| items[at]);
-        // A pair is found from both of its lines, and held for one line at a time: there may be as many as the square of the lines.
+        // A pair is found from both of its lines, and held for one line at a time: there may be as many as the square of the
+        // lines.
         let found = ranges(threads, self.lines.len(), RUN, |range| {
             let [first, last] =
                 [range.start, range.end].map(|line| self.pieces.partition_point(|piece| (piece.line as usize) < line));

@@ -25,7 +25,7 @@ pub(crate) struct Drawn<'a> {
     pub(crate) pieces: &'a [Piece],
 }
 
-/// Changes nearer to each other than this share of the line's page are one cut.
+/// Changes within this share of the line's page after the first are one cut; so near to an end of the part they are none.
 const TOLERANCE: f64 = 1.0 / (1 << 26) as f64;
 
 /// Lists that lines use one after the other.

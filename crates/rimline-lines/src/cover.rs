@@ -135,8 +135,8 @@ impl<'a> Segment<'a> {
         (part[0] < part[1]).then_some(part)
     }
 
-    /// Clips `part` to where the height over a plane has the sign `wanted`. `is_on` says at which end it is known to be 0. `None` if
-    /// nothing is left.
+    /// Clips `part` to where the height over a plane has the sign `wanted`. `is_on` says at which end it is known to be 0.
+    /// `None` if it has that sign nowhere; else `part` may end before it begins.
     fn clip(
         &self,
         part: &mut [f64; 2],

@@ -5,7 +5,7 @@ use num_bigint::BigInt;
 use crate::exact::{big, integer_cross, window};
 use crate::view::{cross, dot};
 
-/// The corners of the triangles of a face.
+/// The corners of a triangle of a face.
 type Corners = [[f32; 3]; 3];
 
 /// An angle, by its cosine.
@@ -35,7 +35,7 @@ impl Crease {
         let difference = d * d.abs() - self.cosine * self.cosine.abs() * (dot(n, n) * dot(m, m));
         // The roundings of both sides are below fifty units in the last place of this product.
         let error = 1e-13 * (n_size * m_size) * (n_size * m_size);
-        if difference.abs() > error && error > 1e-280 {
+        if difference.abs() > error && error > 1e-280 && difference.is_finite() {
             return difference < 0.0;
         }
         self.is_exactly_between(first, second, is_turned)
@@ -84,4 +84,21 @@ fn exact_normal(triangles: impl Iterator<Item = Corners>, low: i32) -> [BigInt; 
 
 fn exact_dot(u: &[BigInt; 3], v: &[BigInt; 3]) -> BigInt {
     (0..3).map(|axis| &u[axis] * &v[axis]).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::iter::once;
+
+    use super::*;
+
+    /// The product of both normals' squares is beyond the range of `f64`.
+    #[test]
+    fn creases_of_huge_faces_are_decided_exactly() {
+        let [a, b, c] = [[-3e38, -3e38, 0.0], [3e38, -3e38, 0.0], [-3e38, 3e38, 0.0_f32]];
+        // 0.2° from a right angle.
+        let d = [-3e38, -3e38 - 1.047e36, 3e38];
+        let is_between = |degrees: f64| Crease::new(degrees).is_between(once([a, b, c]), once([b, a, d]), false);
+        assert!(is_between(89.7) && !is_between(89.9));
+    }
 }

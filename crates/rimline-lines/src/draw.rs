@@ -22,14 +22,15 @@ use crate::world::World;
 /// Lines at a time.
 const RUN: usize = 256;
 
-/// Draws objects as an eye sees them. `progress` is called now and then with the number of lines that are done and of all, which are 0
-/// while lines are looked for; it may end the drawing. The same input gives the same drawing with any number of threads.
+/// Draws objects as an eye sees them. `progress` is called now and then with about the number of lines that are done, and that
+/// of all; both are 0 while intersections are looked for. It may end the drawing. The same input gives the same drawing with
+/// any number of threads.
 ///
-/// A faulty object is left out and named in [`Drawing::left_out`].
+/// [`Drawing::left_out`] names faulty objects. They are left out, but for [`Fault::NoSuchEdge`](crate::Fault::NoSuchEdge).
 ///
 /// # Errors
-/// [`LinesError`] for options out of range, too many faces, too little memory by [`LineOptions::memory_limit`], or if `progress`
-/// ends it.
+/// [`LinesError`] for options out of range, too many faces, too little memory by [`LineOptions::memory_limit`], or if
+/// `progress` ends it.
 pub fn draw(
     objects: &[Object<'_>],
     view: &View,
@@ -54,8 +55,8 @@ pub fn draw(
     let tree = hiders(&world, &frame, &parts, options.threads);
     let pieces = pieces(&world, &frame, &tree, &lines, &parts, options, &mut progress)?;
     drop(tree);
-    check_count("pieces of lines", pieces.len(), u32::MAX as usize / 2)?;
     let pieces = Drawn { world: &world, lines: &lines, parts: &parts, pieces: &pieces }.once(&frame, options.threads);
+    check_count("pieces of lines", pieces.len(), u32::MAX as usize / 2)?;
     let (spans, chains) = chains(&Drawn { world: &world, lines: &lines, parts: &parts, pieces: &pieces });
     left_out.sort_by_key(|left_out| left_out.object);
     Ok(Drawing { spans, chains, left_out })
@@ -99,7 +100,7 @@ fn check(options: &LineOptions) -> Result<(), LinesError> {
     Ok(())
 }
 
-/// Compares an estimate with the limit. With `lines` 0 it is what finding the lines takes.
+/// Compares an estimate with the limit. With `lines` 0 it is what finding the lines takes, without those where faces meet.
 fn check_memory(world: &World<'_>, lines: usize, options: &LineOptions) -> Result<(), LinesError> {
     let Some(limit) = options.memory_limit else { return Ok(()) };
     let vertices = world.positions.len();

@@ -17,7 +17,8 @@ pub struct Span {
     /// The edge, as an index in [`rimline::Mesh::edges`]; an edge of several records has the lowest. `None` for an
     /// intersection.
     pub edge: Option<u32>,
-    /// The faces that meet there. The second is `None` at a boundary.
+    /// The faces of the edge record, or those that pass through each other. The second is `None` if the record has one face.
+    /// The further faces of an edge of several records are not here.
     pub faces: [Option<FaceId>; 2],
     /// Its ends in world space.
     pub ends: [[f64; 3]; 2],
@@ -44,7 +45,7 @@ pub struct Chain {
     pub is_hidden: bool,
     /// Where they are in [`Drawing::spans`].
     pub spans: Range<usize>,
-    /// Whether the last one ends where the first one begins.
+    /// Whether the last one goes on as the first one, and so ends where that begins.
     pub is_closed: bool,
 }
 

@@ -7,6 +7,7 @@ use rimline::{Mesh, Predicate};
 use crate::crease::Crease;
 use crate::drawing::FaceId;
 use crate::error::{Fault, LeftOut, LinesError};
+use crate::exact::Eye;
 use crate::fold::Fold;
 use crate::options::{LineClass, LineOptions};
 use crate::parallel::ranges;
@@ -20,7 +21,7 @@ pub(crate) struct Line {
     pub(crate) class: LineClass,
     /// The index among the objects that are drawn.
     pub(crate) placed: u32,
-    /// The edge record, or the number of the faces that meet for an intersection.
+    /// The edge record, the first of its edge; for an intersection the index of its faces in [`World::meetings`].
     pub(crate) record: u32,
 }
 
@@ -40,7 +41,7 @@ impl Line {
 /// Edge records at a time.
 const RUN: usize = 1 << 14;
 
-/// The lines of all objects.
+/// The lines of all objects, but those where faces meet.
 pub(crate) fn lines(
     world: &World<'_>,
     options: &LineOptions,
@@ -53,7 +54,8 @@ pub(crate) fn lines(
         let shared = shared_edges(&object.mesh);
         let marked = Marked::new(placed, left_out);
         let crease = Crease::new(options.crease_degrees);
-        let mut asked = Asked { placed, number, options, crease, masks, shared, folds: Vec::new(), marked };
+        let (eye, folds) = (world.eye, Vec::new());
+        let mut asked = Asked { placed, number, options, eye, crease, masks, shared, folds, marked };
         asked.folds = asked.folds();
         let found = ranges(options.threads, object.mesh.edges().len(), RUN, |range| {
             range.filter_map(|record| asked.line(record as u32)).collect::<Vec<_>>()
@@ -68,11 +70,12 @@ struct Asked<'a> {
     placed: &'a Placed<'a>,
     number: u32,
     options: &'a LineOptions,
+    eye: Eye,
     crease: Crease,
     masks: Extraction,
     /// Records of edges that have several, and the first of each edge.
     shared: Vec<[u32; 2]>,
-    /// Edges of several records whose faces lie in two half-planes, by the first record, in order.
+    /// Edges of several records whose faces lie in two half-planes, by the first record, in order. A mesh of polygons has none.
     folds: Vec<(u32, Fold)>,
     marked: Marked,
 }
@@ -120,7 +123,7 @@ impl Asked<'_> {
                 let edge = object.mesh.edges().get(record as usize)?;
                 let masks = self.masks.masks[record as usize];
                 vertices = sorted(edge.vertices);
-                // A face is to the left of the edge if the eye is in front of it and it walks the edge that way.
+                // A face is to the left of the edge if the eye is in front of it and it walks the edge that way, or neither.
                 let (is_forward, facing) = (edge.vertices == vertices, masks.winding & 1 != 0);
                 faces.push((edge.face_0, is_forward == facing));
                 if let Some(face_1) = edge.face_1 {
@@ -129,7 +132,7 @@ impl Asked<'_> {
                     faces.push((face_1, (is_forward == is_same_way) == is_facing));
                 }
             }
-            Some((records[0][0], Fold::new(object, vertices, &faces, self.crease)?))
+            Some((records[0][0], Fold::new(object, vertices, &faces, self.crease, self.eye)?))
         };
         by_edge.chunk_by(|one, other| one[0] == other[0]).filter_map(fold).collect()
     }
@@ -176,7 +179,7 @@ fn shared_edges(mesh: &Mesh) -> Vec<[u32; 2]> {
     shared
 }
 
-/// Marked edges, in order.
+/// Marked edges in order, each once.
 struct Marked(Vec<[u32; 2]>);
 
 fn sorted([a, b]: [u32; 2]) -> [u32; 2] {
@@ -189,6 +192,8 @@ impl Marked {
         let object = placed.object;
         let mut all: Vec<_> = object.marked.iter().copied().map(sorted).collect();
         all.sort_unstable();
+        // A search finds one of those that are equal.
+        all.dedup();
         let mut is_edge = vec![false; all.len()];
         if !all.is_empty() {
             for &edge in object.mesh.edges().vertices() {

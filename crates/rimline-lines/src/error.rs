@@ -41,7 +41,7 @@ pub enum LinesError {
         /// The limit.
         limit: u64,
     },
-    /// There are more vertices, faces or pieces of lines than 32 bits can number.
+    /// There are more vertices, faces, points where faces meet or pieces of lines than can be numbered.
     #[error("there are {count} {what}, and at most {most} can be drawn; draw fewer objects or classes at a time")]
     TooMany {
         /// The kind of elements.

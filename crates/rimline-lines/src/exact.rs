@@ -23,7 +23,7 @@ pub(crate) type Eye = [f32; 4];
 /// higher orders are infinitely small.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Value {
-    /// 0 for the eye as given, 1 to 3 for an axis, 4 if all are 0.
+    /// 0 for the eye as given, 1 to 3 for an axis, 4 if all that count are 0.
     order: u8,
     value: f64,
 }
@@ -252,7 +252,7 @@ struct Units {
     low: i32,
     /// Coordinates of the eye are multiples of `2^far_low`. It differs from `low` only for an eye at infinity.
     far_low: i32,
-    /// Bits from the unit to the highest bit of any coordinate.
+    /// The most bits from a unit to the highest bit of its coordinates.
     bits: i32,
 }
 
@@ -305,8 +305,8 @@ fn determinants<T: Integer>(all: &[T; 12], is_point: bool) -> [T; 4] {
     [nx.clone() * x + ny.clone() * y + nz.clone() * z, nx, ny, nz]
 }
 
-/// The first of the determinants, `of` an order, that is not 0. `divisor`: they are sums weighted with heights over a face, to be
-/// divided by the sum of the weights.
+/// The first of the determinants, `of` an order, that is not 0. `divisor`: they are sums weighted with heights over a face, to
+/// be divided by the sum of the weights.
 fn first_of<T: Integer>(of: impl Fn(usize) -> T, is_moved: bool, units: &Units, divisor: Option<T>) -> Value {
     // A height over a face is a product of three coordinates, and has the cube of their unit.
     let (weight_exponent, divisor) =
@@ -337,7 +337,7 @@ fn decode(value: f32) -> (i64, i32) {
     (if value < 0.0 { -size } else { size }, exponent.max(1) - 150 + zeros)
 }
 
-/// The exponents of the lowest bit, and of the one above the highest, of numbers that are not all 0.
+/// The exponents of the lowest bit, and of the one above the highest, of those numbers that are not 0. Without any, both are 0.
 pub(crate) fn window(numbers: impl Iterator<Item = f32>) -> (i32, i32) {
     let decoded = numbers.map(decode).filter(|&(mantissa, _)| mantissa != 0);
     let ends =

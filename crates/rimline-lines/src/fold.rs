@@ -3,7 +3,7 @@
 use std::iter::once;
 
 use crate::crease::Crease;
-use crate::exact::face_value;
+use crate::exact::{Eye, edge_value, face_value};
 use crate::object::Object;
 
 /// An edge with several records if its faces lie in two half-planes.
@@ -16,8 +16,15 @@ pub(crate) struct Fold {
 }
 
 impl Fold {
-    /// Looks at the faces of one edge, each with the side of it on the page: `true` for the left.
-    pub(crate) fn new(object: &Object<'_>, vertices: [u32; 2], faces: &[(u32, bool)], crease: Crease) -> Option<Self> {
+    /// Looks at the faces of one edge, all triangles, each with the side of it on the page: `true` for the left of the edge
+    /// from its first vertex.
+    pub(crate) fn new(
+        object: &Object<'_>,
+        vertices: [u32; 2],
+        faces: &[(u32, bool)],
+        crease: Crease,
+        eye: Eye,
+    ) -> Option<Self> {
         let edge = vertices.map(|vertex| object.positions[vertex as usize]);
         let apex = |face: u32| {
             let corners = object.mesh.faces()[face as usize];
@@ -28,7 +35,8 @@ impl Fold {
         for &(face, side) in faces {
             let apex = apex(face)?;
             match halves.iter().position(|&half| is_same_half_plane(edge, half, apex)) {
-                Some(half) if sides[half] != side => return None,
+                // Faces that run both ways around are on one side, unless they are seen edge-on. Then the moved eye decides.
+                Some(half) if sides[half] != side => sides[half] = edge_value(edge[0], edge[1], apex, eye).sign() > 0,
                 Some(_) => {}
                 None if halves.len() == 2 => return None,
                 None => {

@@ -1,4 +1,5 @@
-//! Boxes of the page and of depths, in `f32` that are rounded outwards. Only searches use them; no sign depends on them.
+//! The parts of lines that are drawn; and boxes of the page and of depths, in `f32` that are rounded outwards. Only searches
+//! use the boxes; no sign depends on them.
 
 use crate::edges::Line;
 use crate::error::LinesError;
@@ -59,7 +60,8 @@ pub(crate) fn point_at([a, b]: [[f64; 3]; 2], at: f64) -> [f64; 3] {
 }
 
 impl Frame {
-    /// Finds the part of each line that is on the page, and the frame around all. Lines that are nowhere on it have `None`.
+    /// Finds the part of each line that is on the page, and the frame around all. Lines that are nowhere on it, or a point
+    /// there, have `None`.
     pub(crate) fn new(
         world: &World<'_>,
         lines: &[Line],
@@ -128,8 +130,8 @@ impl Frame {
         (part[0] < part[1] && page[0] != page[1] && is_finite).then_some(Part { ends: part, depths, page })
     }
 
-    /// Where a line is cut that reaches too near to a perspective eye. Depths on it are rounded by less than a tenth of the least, so
-    /// that of the cut is above 0.
+    /// Where a line is cut that reaches too near to a perspective eye. Depths on it are rounded by less than a tenth of the
+    /// least, so that of the cut is above 0.
     fn near_of_cut(&self, ends: [[f64; 3]; 2]) -> f64 {
         let eye = self.view.eye().xyz.map(f64::from);
         let reach = ends.iter().chain([&eye]).flatten().fold(0.0, |reach: f64, c| reach.max(c.abs()));
@@ -142,7 +144,8 @@ impl Frame {
         ends[0].join(ends[1])
     }
 
-    /// The box around a vertex, and around all of a face with it. That of a vertex behind the eye is behind all.
+    /// The box around a vertex. Those of a face's corners, joined, hold all of the face that is ahead of the eye. A vertex
+    /// behind the eye has the far depth −∞, and so has a face with no others.
     pub(crate) fn bounds_of_vertex(&self, position: [f32; 3]) -> Box3 {
         let point = position.map(f64::from);
         let depth = self.view.depth(point);

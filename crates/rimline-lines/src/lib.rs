@@ -1,5 +1,5 @@
-//! Hidden-line drawings of meshes, on the CPU: silhouettes, boundaries, creases and marked edges, cut where the number
-//! of faces in front of them changes.
+//! Hidden-line drawings of meshes, on the CPU: silhouettes, boundaries, creases, intersections and other lines, cut where
+//! the number of faces in front of them changes. And outlines, the parts of the page that meshes cover.
 //!
 //! ```
 //! use std::ops::ControlFlow;

@@ -173,8 +173,8 @@ impl PreparedFace {
             [c, first, b] if first == shared => [b, c],
             [b, c, _] => [b, c],
         };
-        // Both planes meet along the line from the corner to where the other face's third edge pierces this plane. This face lies
-        // there between its two edges, or elsewhere.
+        // Both planes meet along the line from the corner to where the other face's third edge pierces this plane. This face is
+        // there, between its two edges, or elsewhere.
         let away = |to: [f32; 3]| [0, 1, 2].map(|axis| f64::from(to[axis]) - f64::from(at[axis]));
         let [p, q] = [away(p), away(q)];
         let (from_p, from_q) = (from_p.number().abs(), from_q.number().abs());
@@ -197,6 +197,14 @@ fn is_beside(plane: &Plane, is_in: [bool; 3], corners: [[f32; 3]; 3], sides: &[i
 /// The ends of the line where two faces pass through each other.
 fn meeting(one: &Face, other: &Face) -> Option<[End; 2]> {
     if (one.placed, one.number) == (other.placed, other.number) {
+        return None;
+    }
+    // Fans of large polygons have many pairs in one plane. Where that is across an axis, they need no integers.
+    let is_flat = |axis: usize| {
+        let [level, ..] = one.positions.map(|position| position[axis]);
+        one.positions.iter().chain(&other.positions).all(|position| position[axis] == level)
+    };
+    if (0..3).any(is_flat) {
         return None;
     }
     let crossings = [crossings(one, other)?, crossings(other, one)?];
@@ -222,7 +230,8 @@ fn crossings(face: &Face, other: &Face) -> Option<[(End, [f64; 3]); 2]> {
     let [a, b, c] = other.positions;
     let plane = Plane::of_face(a, b, c);
     let is_in = face.positions.map(|position| other.positions.contains(&position));
-    // A corner is in the plane. With all others on one side, that is all that is, unless it is an edge that is drawn from behind.
+    // Corners that both faces have are in the plane. With all others on one side this face does not pass through it; but an
+    // edge in the plane is drawn if the third corner is behind.
     let is_edge_in = is_in.into_iter().filter(|is_in| *is_in).count() == 2;
     if is_beside(&plane, is_in, face.positions, if is_edge_in { &[1] } else { &[1, -1] }) {
         return None;

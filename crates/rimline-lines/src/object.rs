@@ -15,7 +15,7 @@ pub struct Object<'a> {
     pub name: String,
     /// The mesh: triangles, or polygons.
     pub mesh: Cow<'a, Mesh>,
-    /// A position in world space for each vertex of the mesh.
+    /// A position in world space for each vertex of the mesh, finite for those that [`Mesh::edges`] names.
     pub positions: Cow<'a, [[f32; 3]]>,
     /// Edges that the caller marks, by vertices as [`Mesh::edges`] names them, in any order.
     pub marked: Vec<[u32; 2]>,
@@ -29,11 +29,11 @@ impl<'a> Object<'a> {
     }
 }
 
-/// The objects of a posed model: one for each of its instances, in their order. Vertices at one position in this pose are welded; faces
-/// keep their numbers. Instances without faces are among them; a drawing names and leaves them out.
+/// The objects of a posed model: one for each of its instances, in their order. Vertices at one position in this pose are
+/// welded; faces keep their numbers. Instances without faces are among them; a drawing names and leaves them out.
 ///
-/// A pose may round vertices whose skin or morph data differ to different positions, which draws their seam as boundaries. Load the
-/// model with [`Weld::Position`] to avoid this.
+/// A pose may round vertices whose skin or morph data differ to different positions, which draws their seam as boundaries. Load
+/// the model with [`Weld::Position`] to avoid this.
 ///
 /// # Errors
 /// [`LinesError::Model`] if the pose does not fit the model.

@@ -7,11 +7,13 @@ use rimline::cpu::Threads;
 #[repr(u8)]
 #[non_exhaustive]
 pub enum LineClass {
-    /// Between a face whose front the eye sees and one whose back it sees, by the exact facing bits.
+    /// Between a face whose front the eye sees and one whose back it sees, by the exact facing bits; a face seen edge-on counts
+    /// as its back. Between two fronts or two backs where the faces are wound inconsistently.
     Silhouette,
     /// An edge of one face.
     Boundary,
-    /// An edge of more than two faces.
+    /// An edge of more than two faces. Triangles that lie in two half-planes, as in a mesh whose faces are there twice, count
+    /// as two.
     NonManifold,
     /// Where two faces meet at an angle.
     Crease,
@@ -91,7 +93,7 @@ pub struct LineOptions {
     /// cosine is rounded up to `f64`, and angles are compared with this number exactly.
     pub crease_degrees: f64,
     /// Lines nearer to a perspective eye than this are left out, and cut there; faces there still hide what is behind
-    /// them. Default: a thousandth of the greatest depth. Depths are rounded, so no line is cut at less than 1e-13 of
+    /// them. Default: a thousandth of the greatest depth of a line. Depths are rounded, so no line is cut at less than 1e-13 of
     /// the largest coordinate of its ends and the eye. An eye at infinity has no use for it.
     pub near: Option<f64>,
     /// The part of the page that is drawn. Lines are cut at its border. Default: all. Set it where the eye is inside a
@@ -99,7 +101,8 @@ pub struct LineOptions {
     pub window: Option<PageBox>,
     /// Threads that work. The result does not depend on them.
     pub threads: Threads,
-    /// The most memory that the drawing may take, in bytes, by an estimate made before. Default: no limit.
+    /// The most memory that the drawing may take, in bytes, by estimates made before lines are found and before they are cut.
+    /// The search for intersections is in neither. Default: no limit.
     pub memory_limit: Option<u64>,
 }
 

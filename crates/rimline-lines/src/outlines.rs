@@ -37,16 +37,17 @@ pub struct OutlinePolygon {
 pub struct Outlines {
     /// One for each object given. Objects that are left out have an empty one.
     pub objects: Vec<Outline>,
-    /// The part that all objects cover together.
+    /// The part that any of the objects covers.
     pub all: Outline,
     /// Objects without an outline.
     pub left_out: Vec<LeftOut>,
 }
 
-/// The outlines of objects, each by itself and of all together. Only silhouette and boundary edges are united. Points are rounded to
-/// about a thousand-millionth of the outline's size.
+/// The outlines of objects, each by itself and of all together. Only silhouette and boundary edges are united. Points are
+/// rounded to about a thousand-millionth of the size of what is united.
 ///
-/// The options [`LineOptions::near`] and [`LineOptions::threads`] matter, no others. An object that reaches nearer to the eye is left out.
+/// The options [`LineOptions::near`], by default a thousandth of the greatest depth of a vertex, and [`LineOptions::threads`]
+/// matter, no others. An object that reaches nearer to the eye is left out.
 ///
 /// # Errors
 /// [`LinesError`] for a `near` out of range, or too many faces.
@@ -78,7 +79,8 @@ fn is_too_near(placed: &Placed<'_>, view: &View, near: f64) -> bool {
     view.is_perspective() && vertices.any(|&vertex| depth(vertex) < near)
 }
 
-/// Closed loops whose winding number about a point of the page is the number of faces there; half of it if the mesh is closed.
+/// Closed loops whose winding number about a point of the page is the number of faces there; half of it if the mesh is closed
+/// and consistently oriented.
 ///
 /// A face whose back the eye sees is walked the other way round. Edges between two faces with the same facing cancel.
 fn loops(placed: &Placed<'_>, view: &View, threads: Threads) -> Result<Vec<Vec<[f64; 2]>>, LinesError> {

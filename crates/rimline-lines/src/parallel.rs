@@ -23,6 +23,7 @@ pub(crate) fn blocks<R: Send>(
         while let Some(block) = take() {
             if tick(block).is_break() {
                 is_ended.store(true, Ordering::Relaxed);
+                break;
             }
             done.push((block, work(block)));
         }

@@ -9,7 +9,8 @@ use crate::options::LineClass;
 use crate::world::{Ends, World};
 
 /// Takes out lines of intersection along an edge that two objects share, where a face of one lies over a face of the
-/// other: surfaces that coincide do not pass through each other.
+/// other: surfaces that coincide do not pass through each other. Where both faces of a line are of one object, the line goes
+/// if it is along an edge of any triangle of that object.
 pub(crate) fn without_touching(lines: &mut Vec<Line>, world: &World<'_>) {
     let is_meeting = |line: &&Line| line.class == LineClass::Intersection;
     let mut apexes: HashMap<Ends, Vec<(u32, [f32; 3])>> = HashMap::new();

@@ -95,8 +95,8 @@ fn positions_of(mut mask: u32) -> impl Iterator<Item = usize> {
     })
 }
 
-/// Items in the order of a curve through space. Rows of the first level have their boxes, those of each other level the boxes around
-/// the rows of the one below; the last level has one row, or none.
+/// Items in the order of a curve through space. Rows of the first level have their boxes, those of each other level the boxes
+/// around the rows of the one below; the last level has one row, or none.
 pub(crate) struct Tree<T> {
     levels: Vec<Vec<Row>>,
     items: Vec<T>,
@@ -108,7 +108,8 @@ const RUN: usize = 1 << 14;
 const PAIR_RUN: usize = 1 << 8;
 
 impl<T: Copy + Send + Sync> Tree<T> {
-    /// Makes a tree of `count` items, each with a box. They are ordered along the first `axes` axes, 2 or 3. Most are within `around`.
+    /// Makes a tree of `count` items, each with a box; `item` makes each of them twice. They are ordered along the first `axes`
+    /// axes, 2 or 3. Most are within `around`.
     pub(crate) fn new(
         count: usize,
         (axes, around): (usize, &Box3),

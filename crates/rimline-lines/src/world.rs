@@ -18,14 +18,16 @@ pub(crate) struct Placed<'a> {
     /// Its number among the objects given.
     pub(crate) number: u32,
     pub(crate) object: &'a Object<'a>,
-    /// Its first vertex and its first face among all.
+    /// Its first vertex among all.
     pub(crate) first_vertex: u32,
+    /// The first of its numbers of polygons. They differ from those of other objects, but are no numbers of triangles.
     pub(crate) first_face: u32,
 }
 
 /// The objects that can be drawn, and the eye.
 pub(crate) struct World<'a> {
     pub(crate) placed: Vec<Placed<'a>>,
+    /// The vertices of all objects. Those that no edge record names may be infinite or NaN.
     pub(crate) positions: Cow<'a, [[f32; 3]]>,
     pub(crate) view: View,
     pub(crate) eye: Eye,
@@ -89,7 +91,7 @@ impl<'a> World<'a> {
         }
     }
 
-    /// The bits of the positions of a line's ends, the lower one first. `None` if one is no vertex.
+    /// The bits of the positions of a line's ends, −0 as 0, the lower one first. `None` if one is no vertex.
     pub(crate) fn key(&self, vertices: [u32; 2]) -> Option<Ends> {
         let bits = |vertex: u32| Some(self.positions.get(vertex as usize)?.map(|c| (c + 0.0).to_bits()));
         let (a, b) = (bits(vertices[0])?, bits(vertices[1])?);

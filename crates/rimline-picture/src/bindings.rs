@@ -21,7 +21,7 @@ pub fn read_texture(view_dimension: wgpu::TextureViewDimension, filterable: bool
     wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false }
 }
 
-/// A buffer of at least 16 bytes with these contents, which copies may overwrite.
+/// A buffer of at least 16 bytes with these contents, whose size is a multiple of 4. Copies may overwrite them.
 pub fn filled(
     (device, queue): (&wgpu::Device, &wgpu::Queue),
     label: &str,

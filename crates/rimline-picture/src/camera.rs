@@ -56,7 +56,7 @@ impl Camera {
         self.far.map_or(Light::point(self.eye.into()), |_| Light::directional((-self.forward).into()))
     }
 
-    /// The eye, which is far behind everything that an orthographic camera shows.
+    /// The eye; for an orthographic camera a point so far before its near plane that rays from there are about parallel.
     pub fn distant_eye(&self) -> Vec3 {
         self.eye - self.far.map_or(Vec3::ZERO, |far| 1e4 * far * self.forward)
     }

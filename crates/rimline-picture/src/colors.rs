@@ -4,7 +4,7 @@ use rimline::Model;
 use rimline::gltf::Colors;
 
 /// Colours of the corners of the faces of all instances, packed for shaders: the last two corners of turned instances
-/// are swapped. `of` tells the colours of a geometry. `None`: the model has no colours.
+/// are swapped. `turned` is of all instances. `of` tells the colours of a geometry. `None`: the model has no colours.
 pub fn corner_colors<'c>(
     model: &Model,
     turned: impl IntoIterator<Item = bool>,

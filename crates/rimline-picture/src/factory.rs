@@ -61,7 +61,7 @@ pub struct PipelineFactory {
 /// The description of a render pipeline. Settings that are not here are the same in all pipelines.
 #[derive(Clone)]
 pub struct PipelineDescriptor<'a> {
-    /// Its label. Its fragment entry point is this name with `_fragment`.
+    /// Its label. Its fragment entry point, needed also without a colour target, is this name with `_fragment`.
     pub name: &'static str,
     /// Its vertex entry point is this name with `_vertex`; often the same name.
     pub vertex: &'a str,

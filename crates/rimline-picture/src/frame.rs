@@ -32,8 +32,9 @@ pub(crate) struct Frame {
     reserved: [u32; 2],
 }
 
-/// Ambient light: of all lights' together, and what the ground throws back.
+/// The share of all lights' light that is ambient.
 const AMBIENT: f32 = 0.27;
+/// The share of light that the ground throws back: `ALBEDO` of `ground.wgsl`.
 const GROUND: Vec3 = Vec3::new(0.80, 0.79, 0.77);
 
 /// A scene as a picture shows it.
@@ -49,7 +50,7 @@ pub struct SceneView<'a> {
     pub bounds: &'a SceneBounds,
     /// The lights.
     pub lights: &'a [ShadedLight],
-    /// How far from below the models their shadows lie.
+    /// How far from below the models their shadows lie, as [`reach`](crate::reach) has it.
     pub reach: f32,
 }
 
@@ -121,7 +122,7 @@ impl SceneView<'_> {
         data
     }
 
-    /// Whether the eye is above the ground and sees it.
+    /// Whether the eye is above the ground and may see it. An orthographic camera must look down.
     pub fn sees_ground(&self) -> bool {
         let is_above = self.camera.far.is_none() || self.camera.forward.y < -1e-6;
         is_above && self.frame().ground < 0.0
@@ -148,7 +149,7 @@ impl SceneView<'_> {
     }
 }
 
-/// How many there are.
+/// How many parts of a picture there are.
 pub const PARTS: usize = 16;
 /// Pixels of the picture from one of a part's to the next.
 const PITCH: u32 = 2;
@@ -170,7 +171,8 @@ impl Part {
     /// All pixels.
     pub const WHOLE: Self = Self { pitch: 1.0, first: [0.5; 2], clip: Mat4::IDENTITY };
 
-    /// The part with this number. Parts that follow each other share a pixel: their patterns are most unlike.
+    /// The part with this number, below [`PARTS`]. Each four that follow each other, from 0 on, share a pixel: their patterns
+    /// are most unlike.
     pub fn of(size: [u32; 2], part: usize) -> Self {
         let (pixel, sample) = (part / 4, SAMPLES[part % 4]);
         Self::starting_at(size, [(pixel & 1) as f32 + sample[0], (pixel >> 1) as f32 + sample[1]])

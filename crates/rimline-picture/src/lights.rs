@@ -132,7 +132,7 @@ impl ShadedLight {
     }
 
     /// The shadow that a point throws onto the ground, or what lies so many extents along the way there: the point itself
-    /// where the light does not come, and no more of the way than the light goes.
+    /// where it throws none or the light does not come, and no more of the way than the light goes.
     pub fn shadow_within(&self, point: [f32; 3], bounds: &SceneBounds, extents: f64) -> [f32; 3] {
         let p = Vec3::from(point).as_dvec3();
         let Light { xyz, w, .. } = self.light;
@@ -165,7 +165,8 @@ impl ShadedLight {
     }
 }
 
-/// How far from below the models' middle the shadows of points on the ground lie, those of lights at the horizon left out.
+/// How far from below the models' middle the shadows of points on the ground lie, or the points that throw none; at most 60
+/// extents of the models.
 pub fn reach(lights: &[ShadedLight], points: &[[f32; 3]], bounds: &SceneBounds) -> f32 {
     const MOST: f64 = 60.0;
     let centre = bounds.models.centre();

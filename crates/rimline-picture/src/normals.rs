@@ -30,7 +30,7 @@ pub fn corner_normals(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Vec<u32> {
 
 /// Faces around vertices that smooth into each other.
 pub(crate) struct Neighbours {
-    /// Normals of faces, twice their area long, and of length 1.
+    /// Normals of faces, as long as their area times one factor for all; and of length 1, or 0 without an area.
     areas: Vec<Vec3>,
     units: Vec<Vec3>,
     around: Around,
@@ -38,7 +38,7 @@ pub(crate) struct Neighbours {
 }
 
 impl Neighbours {
-    /// `same` tells the first of the vertices at a position, where they are one.
+    /// `same` tells the first of the vertices at a position, where they are one. Only the first then has neighbours.
     pub(crate) fn new(positions: &[[f32; 3]], faces: &[[u32; 3]], same: Option<&[u32]>) -> Self {
         let position = |v: u32| Vec3::from(positions[v as usize]);
         // Neither tiny nor huge models leave the range of floats.
@@ -53,7 +53,8 @@ impl Neighbours {
         Self { areas, units, around, cosine: CREASE.to_radians().cos() }
     }
 
-    /// The neighbours of a face at one of its vertices.
+    /// The neighbours of a face at one of its vertices, the first of its position. The face is among them unless it has no
+    /// area.
     pub(crate) fn of(&self, face: usize, vertex: u32) -> impl Iterator<Item = usize> + '_ {
         let has_many = self.around.range(vertex).len() > MANY;
         let direction = move |face: usize| {
@@ -64,7 +65,8 @@ impl Neighbours {
         self.around.faces(vertex).filter(move |&other| direction(other).dot(normal) > self.cosine)
     }
 
-    /// The rounded normal of a face at a vertex of many faces: those with the same one have the same neighbours there.
+    /// The rounded normal of a face at a vertex of many faces, the first of its position: faces with the same one have the same
+    /// neighbours there.
     pub(crate) fn rounded(&self, face: usize, vertex: u32) -> Option<[i8; 3]> {
         (self.around.range(vertex).len() > MANY).then(|| rounded(self.units[face]))
     }

@@ -49,7 +49,8 @@ impl VolumeOverlay {
         Self { layout, passes }
     }
 
-    /// Draws the volumes of a light, or of a sample of it. `silhouettes` is the index of its lists in the extraction.
+    /// Draws the volumes of a light, or of a sample of it. `silhouettes` is the index of its lists in the extraction:
+    /// [`ShadedLight::shown`](crate::ShadedLight::shown), or `light` if that is `None`.
     ///
     /// # Errors
     /// [`ExtractorError`] if there are none.

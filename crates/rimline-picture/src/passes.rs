@@ -31,7 +31,7 @@ pub trait Subject {
     /// Whether [`Self::draw_overlays`] draws anything.
     fn has_overlays(&self) -> bool;
 
-    /// Draws over the finished light.
+    /// Draws over the finished light. Pictures of several samples a pixel call it also without overlays.
     ///
     /// # Errors
     /// [`Self::Error`].

@@ -19,7 +19,7 @@ pub struct Smoothing {
 const MOST_MEMBERS: usize = 1 << 24;
 /// The most faces, and corners, of a group that one invocation takes, as in `normals.wgsl`.
 const PIECE: u32 = 4096;
-/// Words of a piece of a larger group there. Those behind the sixth are its sum, which the device computes.
+/// Words of a piece of a larger group there. Three of those behind the sixth are its sum, which the device computes.
 const PIECE_WORDS: usize = 12;
 
 impl Smoothing {
@@ -178,7 +178,7 @@ impl NormalPipeline {
         Self { layout, of_groups: pipeline("normals_of_groups"), of_pieces }
     }
 
-    /// Normals of a mesh with these buffers of positions and faces.
+    /// Normals of a mesh with these buffers of positions and faces. `smoothing` is of at least one mesh, not the default.
     pub fn normals(
         &self,
         factory: &PipelineFactory,

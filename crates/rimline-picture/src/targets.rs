@@ -18,7 +18,7 @@ pub struct Target {
 /// How a picture is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PictureFormat {
-    /// Samples a pixel: 1 or 4.
+    /// Samples a pixel: 1 or 4; 1 with [`Self::in_parts`].
     pub samples: u32,
     /// Whether [`PARTS`] parts are drawn one after the other, whose pixels take turns.
     pub in_parts: bool,
@@ -92,7 +92,8 @@ impl Attachments {
 /// The targets of a picture.
 #[derive(Debug)]
 pub struct Targets {
-    /// The attachments of the whole picture, or of each part.
+    /// The attachments of the whole picture, or of each part. Parts share depth and stencil, so all passes of one part
+    /// must come before those of the next.
     pub attachments: Vec<Attachments>,
     /// Binds the light that the picture is made of.
     pub(crate) light: wgpu::BindGroup,

@@ -110,7 +110,8 @@ fn faulty_objects_are_named() {
     let shapes = [bad, good.clone(), short];
     let mut objects = objects(&shapes);
     objects[0].name = "bad".to_owned();
-    objects[1].marked = vec![[0, 7]];
+    // An edge that is marked twice is no fault.
+    objects[1].marked = vec![[0, 7], [0, 1], [1, 0]];
     let drawing = draw(&objects, &aside(), &LineOptions::default(), go_on).expect("drawn");
     let faults = drawing.left_out.iter().map(|left_out| (left_out.object, &*left_out.name, left_out.fault));
     let expected = [
@@ -299,6 +300,18 @@ fn doubled_faces_are_drawn_as_one() {
     positions.push([0.0, 9.0, 0.0]);
     let faces = [faces.to_vec(), faces.to_vec(), vec![[a, b, positions.len() as u32 - 1]]].concat();
     assert!(lines(&[shape(positions, &faces)]).iter().any(|(class, _)| *class == LineClass::NonManifold));
+}
+
+/// Edges of faces that are there both ways around are those of one surface, also where the eye sees faces edge-on.
+#[test]
+fn doubled_faces_edge_on() {
+    let Shape { positions, mesh } = cuboid([0.0; 3], [1.0; 3]);
+    let turned = mesh.faces().iter().map(|&[a, b, c]| [a, c, b]);
+    let faces: Vec<_> = mesh.faces().iter().copied().chain(turned).collect();
+    let front = View::orthographic([0.0, -1.0, 0.0], [0.0, 0.0, 1.0]).expect("a view");
+    let drawing = drawn(&[shape(positions, &faces)], &front);
+    let outline = drawing.spans.iter().filter(|span| span.class == LineClass::Silhouette && span.faces_in_front == 0);
+    assert_eq!((drawing.spans.len(), outline.count()), (4, 4), "{drawing:?}");
 }
 
 /// Lines end at the window and at the near plane.
