@@ -234,9 +234,9 @@ fn facts(setting: &Setting, faces: usize, size: u32, [scene, other]: &[Vec<u64>;
     ]
 }
 
-/// Lights whose silhouette edges are not as many as they should be.
+/// Lights whose silhouette edges are not as many as they should be. A light that either lacks is one.
 fn wrong_lights(scene: &[u64], other: &[u64]) -> usize {
-    scene.iter().zip(other).filter(|(scene, other)| scene != other).count()
+    (0..scene.len().max(other.len())).filter(|&light| scene.get(light) != other.get(light)).count()
 }
 
 /// Records a frame up to some stage.
@@ -389,6 +389,7 @@ mod tests {
     #[test]
     fn a_wrong_light_is_counted_and_the_stages_of_extraction_are_stages() {
         assert_eq!((wrong_lights(&[7, 8, 9], &[7, 8, 9]), wrong_lights(&[7, 8, 9], &[7, 9, 9])), (0, 1));
+        assert_eq!((wrong_lights(&[7, 8, 9], &[]), wrong_lights(&[7], &[7, 8])), (3, 1));
         for name in EXTRACTION {
             assert!(rimline::internals::stages::STAGES.iter().any(|stage| stage.name == name), "{name}");
         }
