@@ -33,7 +33,8 @@ const HALF_WIDTH: i16 = 50;
 /// Positions are multiples of its reciprocal.
 const GRID: f32 = 4096.0;
 /// The stages that extract, of a scene and of a single mesh.
-const EXTRACTION: [&str; 7] = ["cull_lights", "clusters", "chunks", "facing", "exact_facing", "edges", "arguments"];
+pub(crate) const EXTRACTION: [&str; 7] =
+    ["cull_lights", "clusters", "chunks", "facing", "exact_facing", "edges", "arguments"];
 
 /// The mesh that all casters of a scene have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

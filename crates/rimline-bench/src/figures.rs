@@ -372,7 +372,7 @@ fn casters(rows: &[&Row]) -> Part {
 /// A colour of the chart: what is done in some stages, in the order of the frame.
 const WORKS: [(&str, usize, &[&str]); 8] = [
     ("deforming", 0, &["deform"]),
-    ("what is needed", 6, &["cull_lights", "chunks"]),
+    ("what is needed", 6, &["needs", "cull_lights", "clusters", "chunks"]),
     ("facing", 3, &["facing", "exact_facing"]),
     ("edges", 1, &["edges", "arguments"]),
     ("choices", 5, &["receiver_depth", "receiver_pyramid", "relist", "bounds", "counting_methods"]),
@@ -497,5 +497,16 @@ mod tests {
         there.extend(crate::stress::scenes(1).map(|scene| scene.class));
         there.dedup();
         assert_eq!(CLASSES.map(|(class, _)| class).as_slice(), there);
+    }
+
+    /// A stage that has another name than here would be among the others.
+    #[test]
+    fn works_are_of_stages_and_extraction_is_among_them() {
+        for name in WORKS.iter().flat_map(|(.., stages)| stages.iter()) {
+            assert!(rimline::internals::stages::STAGES.iter().any(|stage| stage.name == *name), "{name}");
+        }
+        for name in crate::casters::EXTRACTION {
+            assert!(WORKS.iter().any(|(.., stages)| stages.contains(&name)), "{name}");
+        }
     }
 }
