@@ -112,7 +112,7 @@ impl<'a> Devices<'a> {
     }
 }
 
-/// Options of a scene that computes everything in each frame, or what changed only.
+/// Options of a scene that computes all bits and lists in each frame, or what changed only. It culls either way.
 fn options(keep_bits: bool) -> SceneOptions {
     let mut options = SceneOptions::default();
     options.measuring.set(Measuring::CACHED_BITS, !keep_bits);
@@ -186,6 +186,7 @@ pub(crate) fn measure(
     let mut scenes = scenes.collect::<Result<Vec<_>, _>>()?;
     stopwatch.by_clock(|encoder| encode_all(&mut scenes, encoder))?;
     let of_scenes = taken(before)?;
+    // This scene caches nothing on the GPU. The CPU records as for one that does.
     let mut entries = record(rounds, stopwatch, &setting, recorder.scene, scenes, host)?;
     // GPU times of the still scene stand beside its CPU times.
     entries[0] = entries[0].clone().and(&gpu_times.remove(1)).with_count("bytes", scene_bytes as usize);
@@ -200,7 +201,8 @@ pub(crate) fn measure(
     Ok(Row { section: Section::Casters, scene, title: mesh.counted(casters), group, facts, entries })
 }
 
-/// Measures a scene of one caster of about so many faces against an extractor.
+/// Measures a scene of one caster of about so many faces against an extractor, which does less: a scene also finds the faces
+/// that have a light in their plane.
 pub(crate) fn measure_one_mesh(
     rounds: Rounds,
     devices: &mut Devices<'_>,
