@@ -85,15 +85,28 @@ pub(crate) fn field(shape: Shape, casters: usize) -> Setting {
     Setting::rigid(vec![shape], placed.collect(), lights, &Camera::level(eye, Vec3::NEG_Z, 1.5, 0.1))
 }
 
-/// Where casters may move to, turned.
+/// Where casters may move to, turned: one more than there are casters, so that a single one moves, too. A scene takes a
+/// caster that gets the transform that it has as not moved.
 fn turned(setting: &Setting) -> Vec<Matrix3x4> {
     let mut random = Random::new(2);
-    let at = setting.casters.world_shapes().into_iter().rev().map(|shape| shape.positions[0]);
+    let shapes = setting.casters.world_shapes();
+    let at = shapes.iter().rev().chain(shapes.first()).map(|shape| shape.positions[0]);
     let turn = |[x, y, z]: [f32; 3]| {
         let (s, c) = random.between(-3.0, 3.0).sin_cos();
         [[c, 0.0, s, x], [0.0, 1.0, 0.0, y], [-s, 0.0, c, z]]
     };
     at.map(turn).collect()
+}
+
+/// A stride that comes to each of so many casters before it comes to one again.
+fn stride(casters: usize) -> usize {
+    let divisor = |mut a: usize, mut b: usize| {
+        while b > 0 {
+            (a, b) = (b, a % b);
+        }
+        a
+    };
+    (97..).find(|stride| divisor(*stride, casters.max(1)) == 1).unwrap_or(1)
 }
 
 /// The devices on which frames run, and what draws.
@@ -299,6 +312,7 @@ fn record(
 ) -> Result<Vec<Entry>, Error> {
     let (lights, mesh, handles) = (scene.lights.clone(), scene.meshes[0], scene.casters.clone());
     let (turned, casters) = (turned(setting), handles.len());
+    let stride = stride(casters);
     let scene = RefCell::new(scene);
     let recorded = |change: &mut dyn FnMut(&mut SceneRecorder<'_>) -> Result<(), Error>| {
         let mut scene = scene.borrow_mut();
@@ -316,8 +330,8 @@ fn record(
             round += 1;
             recorded(&mut |recorder| {
                 for _ in 0..count {
-                    next = (next + 97) % casters;
-                    recorder.scene.set_transform(handles[next], turned[(next + round) % casters])?;
+                    next = (next + stride) % casters;
+                    recorder.scene.set_transform(handles[next], turned[(next + round) % turned.len()])?;
                 }
                 Ok(())
             })
@@ -356,6 +370,8 @@ fn record(
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::*;
 
     #[test]
@@ -380,6 +396,20 @@ mod tests {
         });
         let seen = seen.count();
         assert!((400..650).contains(&seen), "{seen}");
+    }
+
+    #[test]
+    fn all_casters_move_and_none_stays() {
+        for casters in [1, 10, 97, 970, 97 * 98, 10_000] {
+            let stride = stride(casters);
+            let moved: BTreeSet<usize> = (1..=casters).map(|number| number * stride % casters).collect();
+            assert_eq!(moved.len(), casters);
+        }
+        for casters in [1, 2, 30] {
+            let to = turned(&field(CasterMesh::Cube.shape(), casters));
+            assert_eq!(to.len(), casters + 1);
+            assert!((0..to.len()).all(|round| to[round] != to[(round + 1) % to.len()]), "{to:?}");
+        }
     }
 
     #[test]
