@@ -32,7 +32,8 @@ pub(crate) fn run(only: Option<&str>, is_quick: bool) -> Result<(), String> {
     });
     let (mut report, mut noticed) = (String::new(), 0);
     for of_subject in mutations.chunk_by(|a, b| a.subject() == b.subject()) {
-        println!("\n{}: without a mutation", of_subject[0].subject());
+        let first = if is_quick { "building" } else { "without a mutation" };
+        println!("\n{}: {first}", of_subject[0].subject());
         let mut tests = Vec::new();
         for copy in &copies {
             if of_subject.iter().all(|mutation| mutation.is_shader() != copy.is_of_shaders) {
