@@ -69,7 +69,7 @@ impl Driver {
         if let Err(error) = &outcome {
             driver_summary.fail(error);
         }
-        driver_summary.tests_ended(outcome.unwrap_or(false));
+        driver_summary.tests_ended(outcome.unwrap_or(false), true);
     }
 }
 

@@ -64,6 +64,9 @@ fn tree(package: &str, arguments: &[&str]) -> Result<String, String> {
 fn has_none(packages: &[&str], tree: Result<String, String>) -> Result<(), String> {
     let tree = tree?;
     let names: Vec<_> = tree.lines().filter_map(|line| line.split_whitespace().next()).collect();
+    if names.is_empty() {
+        return Err("`cargo tree` lists no package".to_owned());
+    }
     let found: Vec<_> = packages.iter().copied().filter(|name| names.contains(name)).collect();
     if found.is_empty() { Ok(()) } else { Err(format!("it depends on {}", found.join(", "))) }
 }
@@ -86,5 +89,6 @@ mod tests {
         assert_eq!(found("rimline v0.1.0 (here)\nwgpu v30.0.1\nclap_lex v1.0.0 (*)\n"), Ok(()));
         let both = found("wgpu v30.0.1\npng v0.18.0\nclap v4.5.0 (*)\n");
         assert_eq!(both, Err("it depends on clap, png".to_owned()));
+        assert!(found("\n").is_err());
     }
 }

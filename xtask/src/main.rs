@@ -33,7 +33,8 @@ Commands:
            compilers, the bits on SwiftShader, then fuzz for 10 seconds a target
   fuzz     Feed mutated files, WGSL and arguments to what reads them; --seconds N for each target (60)
   web      Build the viewer as a page in target/web; --test tries it in headless Chromium, too
-  mutants  Make the code wrong in a copy, in one place after the other, and tell which tests notice; --only TEXT
+  mutants  Make the code wrong in a copy, in one place after the other, and tell which tests notice; --only TEXT for
+           those whose names have it; --quick to end at the first test that notices (an hour instead of several)
 
 demo, test and ci need a Vulkan driver on Linux. Where there is none, they install Mesa's software driver through the
 system's package manager if that needs no password, and otherwise print the command that does.
@@ -65,8 +66,12 @@ fn main() -> ExitCode {
         },
         ["web"] => finish(web::build().map(drop)),
         ["web", "--test"] => counted(test::add_page),
-        ["mutants"] => finish(mutants::run(None)),
-        ["mutants", "--only", text] => finish(mutants::run(Some(text))),
+        ["mutants"] => finish(mutants::run(None, false)),
+        ["mutants", "--quick"] => finish(mutants::run(None, true)),
+        ["mutants", "--only", text] => finish(mutants::run(Some(text), false)),
+        ["mutants", "--quick", "--only", text] | ["mutants", "--only", text, "--quick"] => {
+            finish(mutants::run(Some(text), true))
+        }
         ["test" | "fuzz" | "web" | "mutants", rest @ ..] => misused(&format!("unknown arguments `{}`", rest.join(" "))),
         [] => misused("no command given"),
         [command @ ("demo" | "circles" | "ci"), rest @ ..] => {

@@ -13,8 +13,9 @@ use crate::test::BENCH;
 /// Several times what the slowest program takes on two cores. A mutation may make a loop endless.
 const TIME_LIMIT: Duration = Duration::from_secs(20 * 60);
 
-/// Tries all mutations, or those whose names have `only` in them, and writes `target/mutants.txt`.
-pub(crate) fn run(only: Option<&str>) -> Result<(), String> {
+/// Tries all mutations, or those whose names have `only` in them, and writes `target/mutants.txt`. A quick run ends the
+/// tests of each mutation at the first failure, and trusts that none fails without a mutation.
+pub(crate) fn run(only: Option<&str>, is_quick: bool) -> Result<(), String> {
     let mut mutations = all()?;
     mutations.retain(|mutation| only.is_none_or(|only| mutation.name.contains(only)));
     if mutations.is_empty() {
@@ -24,19 +25,25 @@ pub(crate) fn run(only: Option<&str>) -> Result<(), String> {
     if !wrong.is_empty() {
         return Err(format!("mutations that do not fit the code:\n{}", wrong.join("\n")));
     }
-    let copies = [(true, "mutants/shaders"), (false, "mutants/tree")]
-        .map(|(is_of_shaders, name)| WorkingCopy { is_of_shaders, files: process::target().join(name) });
+    let copies = [(true, "mutants/shaders"), (false, "mutants/tree")].map(|(is_of_shaders, name)| WorkingCopy {
+        is_of_shaders,
+        is_quick,
+        files: process::target().join(name),
+    });
     let (mut report, mut noticed) = (String::new(), 0);
     for of_subject in mutations.chunk_by(|a, b| a.subject() == b.subject()) {
-        println!("\n{}: without a mutation", of_subject[0].subject());
+        let first = if is_quick { "building" } else { "without a mutation" };
+        println!("\n{}: {first}", of_subject[0].subject());
         let mut tests = Vec::new();
         for copy in &copies {
             if of_subject.iter().all(|mutation| mutation.is_shader() != copy.is_of_shaders) {
                 continue;
             }
             copy.renew()?;
+            // This builds them, too, so that no build counts in the time limit.
             tests = copy.tests(&of_subject[0])?;
-            if let [(target, name), ..] = &*copy.failures(&of_subject[0])? {
+            let failures = if is_quick { Vec::new() } else { copy.failures(&of_subject[0])? };
+            if let [(target, name), ..] = &*failures {
                 return Err(format!("without a mutation, a test of `{target}` fails: {name}"));
             }
         }
@@ -46,7 +53,7 @@ pub(crate) fn run(only: Option<&str>) -> Result<(), String> {
             println!("{}: {}", mutation.name, described(&outcome));
             noticed += usize::from(outcome.as_ref().is_ok_and(|failed| !failed.is_empty()));
             columns.push((mutation, outcome));
-            part = shown(&tests, &columns) + "\n";
+            part = shown((!is_quick).then_some(&*tests), &columns) + "\n";
             // Written after each, because a whole run takes hours.
             write(&process::target().join("mutants.txt"), format!("{report}{part}"))?;
         }
@@ -60,6 +67,7 @@ pub(crate) fn run(only: Option<&str>) -> Result<(), String> {
 /// Where mutations of one kind are made.
 struct WorkingCopy {
     is_of_shaders: bool,
+    is_quick: bool,
     /// A copy of the repository, or of its shaders.
     files: PathBuf,
 }
@@ -109,19 +117,26 @@ impl WorkingCopy {
         Ok(tests)
     }
 
-    /// The tests of the mutation's subject that fail.
+    /// The tests of the mutation's subject that fail; in a quick run the first of them.
     fn failures(&self, mutation: &Mutation) -> Result<Vec<Test>, String> {
         let mut failures = Vec::new();
         for &target in &mutation.targets {
             let said = self.files.with_extension("txt");
             let file = std::fs::File::create(&said).map_err(|error| at(&said, &error))?;
-            let succeeded = succeeds_in_time(self.cargo(target).stdout(file).stderr(Stdio::null()))?;
-            let output = std::fs::read(&said).map_err(|error| at(&said, &error))?;
-            let mut failed = failed(&String::from_utf8_lossy(&output));
+            let output = || std::fs::read(&said).map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+            let is_enough = || self.is_quick && output().is_ok_and(|output| first_failed(&output).is_some());
+            let succeeded = succeeds_in_time(self.cargo(target).stdout(file).stderr(Stdio::null()), is_enough)?;
+            let output = output().map_err(|error| at(&said, &error))?;
+            let first = if self.is_quick { first_failed(&output) } else { None };
+            let mut failed = first.map_or_else(|| failed(&output), |name| vec![name]);
             if succeeded != Some(true) && failed.is_empty() {
                 failed.push(if succeeded.is_some() { "(ended early)" } else { "(did not end)" }.to_owned());
             }
             failures.extend(failed.into_iter().map(|name| (target, name)));
+            if self.is_quick && !failures.is_empty() {
+                failures.truncate(1);
+                break;
+            }
         }
         Ok(failures)
     }
@@ -152,14 +167,14 @@ fn write(file: &Path, bytes: impl AsRef<[u8]>) -> Result<(), String> {
     made.and_then(|()| std::fs::write(file, bytes)).map_err(|error| at(file, &error))
 }
 
-/// Whether a command succeeds, or `None` if it does not end within [`TIME_LIMIT`].
-fn succeeds_in_time(command: &mut Command) -> Result<Option<bool>, String> {
+/// Whether a command succeeds, or `None` if it is ended: after [`TIME_LIMIT`], or as soon as its output `is_enough`.
+fn succeeds_in_time(command: &mut Command, is_enough: impl Fn() -> bool) -> Result<Option<bool>, String> {
     // A group of its own, so that the test programs end with cargo.
     #[cfg(unix)]
     std::os::unix::process::CommandExt::process_group(command, 0);
     let mut child = command.spawn().map_err(|error| format!("cannot run cargo: {error}"))?;
     let start = Instant::now();
-    while start.elapsed() < TIME_LIMIT {
+    while start.elapsed() < TIME_LIMIT && !is_enough() {
         if let Some(status) = child.try_wait().map_err(|error| format!("cannot wait for cargo: {error}"))? {
             return Ok(Some(status.success()));
         }
@@ -242,15 +257,23 @@ type Outcome = Result<Vec<Test>, String>;
 fn described(outcome: &Outcome) -> String {
     match outcome.as_deref() {
         Ok([]) => "SURVIVED".into(),
+        Ok([test]) => format!("killed by {}", named(test)),
         Ok(failed) => format!("killed by {}", failed.len()),
         Err(why) => format!("NOT TRIED, {why}"),
     }
 }
 
-/// The mutations with a number each, then a row for each test, with an `x` below the mutations that it notices.
-fn shown(tests: &[Test], columns: &[(&Mutation, Outcome)]) -> String {
+/// A test as the report has it.
+fn named((target, name): &Test) -> String {
+    format!("{} {name}", target.trim_start_matches("--test "))
+}
+
+/// The mutations with a number each, then a row for each test, with an `x` below the mutations that it notices. A quick
+/// run, without `tests`, has no rows.
+fn shown(tests: Option<&[Test]>, columns: &[(&Mutation, Outcome)]) -> String {
     let legend = columns.iter().map(|(mutation, result)| format!("{}: {}", mutation.name, described(result)));
     let mut lines: Vec<_> = (1..).zip(legend).map(|(number, line)| format!("{number:3}  {line}")).collect();
+    let Some(tests) = tests else { return lines.join("\n") + "\n" };
     lines.push((1..=columns.len()).fold("\n".into(), |line, number| format!("{line}{number:3}")));
     // Tests, and programs that ended early or had to be ended.
     let failed = columns.iter().filter_map(|(_, result)| result.as_ref().ok()).flatten();
@@ -258,7 +281,7 @@ fn shown(tests: &[Test], columns: &[(&Mutation, Outcome)]) -> String {
     lines.extend(rows.into_iter().map(|test| {
         let is_noticed = |result: &Outcome| result.as_ref().is_ok_and(|failed| failed.contains(test));
         let marks: String = columns.iter().map(|(_, result)| if is_noticed(result) { "  x" } else { "  ." }).collect();
-        format!("{marks}  {} {}", test.0.trim_start_matches("--test "), test.1)
+        format!("{marks}  {}", named(test))
     }));
     lines.join("\n") + "\n"
 }
@@ -275,10 +298,20 @@ fn failed(output: &str) -> Vec<String> {
     names
 }
 
+/// The name in the first line about a failed test, which test programs print while they run.
+fn first_failed(output: &str) -> Option<String> {
+    let name = output.lines().find_map(|line| line.strip_prefix("test ")?.strip_suffix(" ... FAILED"))?;
+    Some(without_kind(name.trim()).to_owned())
+}
+
 /// The names that test programs print when they are asked for a list.
 fn listed(output: &str) -> impl Iterator<Item = String> {
-    let names = output.lines().filter_map(|line| line.strip_suffix(": test"));
-    names.map(|name| name.split_once("] ").map_or(name, |(_kind, name)| name).to_owned())
+    output.lines().filter_map(|line| line.strip_suffix(": test")).map(|name| without_kind(name).to_owned())
+}
+
+/// `name` of `[gpu] name`.
+fn without_kind(name: &str) -> &str {
+    name.split_once("] ").map_or(name, |(_kind, name)| name.trim_start())
 }
 
 #[cfg(test)]
@@ -291,7 +324,11 @@ mod tests {
         let output = "test a::b ... FAILED\n\nfailures:\n\n---- a::b ----\nleft:\n    1\n\n\nfailures:\n    a::b\n    c d\n\n\
                       test result: FAILED. 1 passed; 2 failed;\n    x\n";
         assert_eq!(failed(output), ["a::b", "c d"]);
-        assert!(failed("test a ... ok\n\ntest result: ok. 1 passed;\n").is_empty());
+        assert_eq!(first_failed(output).as_deref(), Some("a::b"));
+        let while_running = "test [gpu] a   ... ok\ntest [gpu] b c ... FAILED\ntest d ... FAILED\n";
+        assert_eq!(first_failed(while_running).as_deref(), Some("b c"));
+        let good = "test a ... ok\n\ntest result: ok. 1 passed;\n";
+        assert!(failed(good).is_empty() && first_failed(good).is_none());
         let listed: Vec<_> = listed("adapter: x\n[gpu] a: b: test\nc::d: test\n\n2 tests, 0 benchmarks\n").collect();
         assert_eq!(listed, ["a: b", "c::d"]);
     }
@@ -301,10 +338,14 @@ mod tests {
     fn rows_are_marked() {
         let [a, b] = ["a", "b"].map(|name| ("--lib", name.to_owned()));
         let mutations = all().expect("the list is well-formed");
-        let outcomes = [vec![b.clone()], Vec::new()].map(Ok);
-        let shown = shown(&[a, b], &mutations.iter().zip(outcomes).collect::<Vec<_>>());
-        assert!(shown.ends_with(": SURVIVED\n\n  1  2\n  .  .  --lib a\n  x  .  --lib b\n"), "{shown}");
-        assert!(shown.contains(": killed by 1\n"), "{shown}");
+        assert_eq!(described(&Ok(vec![a.clone(), b.clone()])), "killed by 2");
+        let outcomes: [Outcome; 2] = [vec![b.clone()], Vec::new()].map(Ok);
+        let columns: Vec<_> = mutations.iter().zip(outcomes).collect();
+        let matrix = shown(Some(&[a, b]), &columns);
+        assert!(matrix.ends_with(": SURVIVED\n\n  1  2\n  .  .  --lib a\n  x  .  --lib b\n"), "{matrix}");
+        assert!(matrix.contains(": killed by --lib b\n"), "{matrix}");
+        let quick = shown(None, &columns);
+        assert!(quick.ends_with(": SURVIVED\n") && matrix.starts_with(&quick), "{quick}");
     }
 
     /// Each mutation changes the code of today.

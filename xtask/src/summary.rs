@@ -7,6 +7,8 @@ use std::process::ExitCode;
 pub(crate) struct Summary {
     /// Passed, failed, and ignored by name.
     counts: [usize; 3],
+    /// All that test binaries said since the last [`Self::tests_ended`].
+    new_tests: usize,
     /// Ignored ones that stand for tests on model files, whose folder is missing.
     without_files: usize,
     gpu_tests: usize,
@@ -23,7 +25,9 @@ impl Summary {
             let words: Vec<_> = counts.split([' ', ';', '.']).filter(|word| !word.is_empty()).collect();
             for pair in words.windows(2) {
                 if let Some(of) = ["passed", "failed", "ignored"].iter().position(|word| *word == pair[1]) {
-                    self.counts[of] += pair[0].parse().unwrap_or(0);
+                    let count: usize = pair[0].parse().unwrap_or(0);
+                    self.counts[of] += count;
+                    self.new_tests += count;
                 }
             }
         } else if line.trim_end().ends_with("... ignored") && line.contains("real files ") {
@@ -36,12 +40,17 @@ impl Summary {
         }
     }
 
-    /// Ends the reading of test binaries: whether cargo was content, and whether the GPU was tested at all.
-    pub(crate) fn tests_ended(&mut self, succeeded: bool) {
+    /// Ends the reading of test binaries: whether cargo was content, whether there was any test, and, if tests on the GPU
+    /// are among those that were asked for, whether there was one.
+    pub(crate) fn tests_ended(&mut self, succeeded: bool, needs_gpu_tests: bool) {
+        let has_tests = std::mem::take(&mut self.new_tests) > 0;
         if !succeeded && self.counts[1] == 0 {
             self.fail("the tests ended badly, though none is reported as failed: see above");
         }
-        if self.gpu_tests == 0 {
+        if succeeded && !has_tests {
+            self.fail("no test has such a name");
+        }
+        if needs_gpu_tests && self.gpu_tests == 0 {
             self.fail("no GPU test ran");
         }
     }
@@ -112,7 +121,7 @@ mod tests {
         for line in lines {
             summary.read(line);
         }
-        summary.tests_ended(succeeded);
+        summary.tests_ended(succeeded, true);
         summary
     }
 
@@ -140,6 +149,18 @@ mod tests {
     fn a_run_without_gpu_tests_fails() {
         assert_eq!(summary(&[RESULT], true).last_line(), "6 passed, 1 failed, 2 skipped");
         assert_eq!(summary(&[RESULT, "gpu tests: 0"], true).last_line(), "6 passed, 1 failed, 2 skipped");
+    }
+
+    #[test]
+    fn tests_of_a_target_need_no_gpu_but_a_test() {
+        let mut of_target = Summary::default();
+        of_target.read(RESULT);
+        of_target.tests_ended(true, false);
+        assert_eq!(of_target.last_line(), "6 passed, 0 failed, 2 skipped");
+        // The next target has no test of that name.
+        of_target.read("test result: ok. 0 passed; 0 failed; 0 ignored; 0 measured; 90 filtered out; finished in 0s");
+        of_target.tests_ended(true, false);
+        assert_eq!(of_target.last_line(), "6 passed, 1 failed, 2 skipped");
     }
 
     #[test]

@@ -17,7 +17,7 @@ pub(crate) fn add_long(summary: &mut Summary, target: Option<&str>, filter: Opti
     ensure_driver(summary);
     let mut command = process::cargo(EVERYTHING);
     command.env("RIMLINE_LONG", "1").args(target.iter().flat_map(|target| ["--test", target]));
-    run_tests(command.arg("--").args(filter), summary);
+    run_tests(command.arg("--").args(filter), summary, target.is_none());
 }
 
 /// Builds the page, and tries it in a browser.
@@ -59,15 +59,15 @@ fn ensure_display() {
 pub(crate) fn add(summary: &mut Summary) {
     ensure_driver(summary);
     ensure_display();
-    run_tests(&mut process::cargo(EVERYTHING), summary);
+    run_tests(&mut process::cargo(EVERYTHING), summary, true);
     features::add(summary);
 }
 
 /// Runs a command of tests and counts them in `summary`.
-fn run_tests(command: &mut Command, summary: &mut Summary) {
+fn run_tests(command: &mut Command, summary: &mut Summary, needs_gpu_tests: bool) {
     let outcome = process::run_looking(command, |line| summary.read(line));
     if let Err(error) = &outcome {
         println!("error: {error}");
     }
-    summary.tests_ended(outcome.unwrap_or(false));
+    summary.tests_ended(outcome.unwrap_or(false), needs_gpu_tests);
 }

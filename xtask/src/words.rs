@@ -53,7 +53,7 @@ const ALLOWED: [(&str, &[&str], &str); 19] = [
     ("wgsl/outline/", &["is_hidden"], LINES),
 ];
 
-/// Looks at the comments of all Rust and WGSL files, and at the names of the library.
+/// Looks at the comments of all Rust and WGSL files, and at the names in [`CHECKED`].
 pub(crate) fn run() -> Result<(), String> {
     let (mut found, mut banned) = (Vec::new(), Vec::new());
     for (name, text) in process::files(&["*.rs", "*.wgsl"])? {

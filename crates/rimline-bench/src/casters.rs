@@ -33,7 +33,8 @@ const HALF_WIDTH: i16 = 50;
 /// Positions are multiples of its reciprocal.
 const GRID: f32 = 4096.0;
 /// The stages that extract, of a scene and of a single mesh.
-const EXTRACTION: [&str; 7] = ["cull_lights", "clusters", "chunks", "facing", "exact_facing", "edges", "arguments"];
+pub(crate) const EXTRACTION: [&str; 7] =
+    ["cull_lights", "clusters", "chunks", "facing", "exact_facing", "edges", "arguments"];
 
 /// The mesh that all casters of a scene have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -84,15 +85,28 @@ pub(crate) fn field(shape: Shape, casters: usize) -> Setting {
     Setting::rigid(vec![shape], placed.collect(), lights, &Camera::level(eye, Vec3::NEG_Z, 1.5, 0.1))
 }
 
-/// Where casters may move to, turned.
+/// Where casters may move to, turned: one more than there are casters, so that a single one moves, too. A scene takes a
+/// caster that gets the transform that it has as not moved.
 fn turned(setting: &Setting) -> Vec<Matrix3x4> {
     let mut random = Random::new(2);
-    let at = setting.casters.world_shapes().into_iter().rev().map(|shape| shape.positions[0]);
+    let shapes = setting.casters.world_shapes();
+    let at = shapes.iter().rev().chain(shapes.first()).map(|shape| shape.positions[0]);
     let turn = |[x, y, z]: [f32; 3]| {
         let (s, c) = random.between(-3.0, 3.0).sin_cos();
         [[c, 0.0, s, x], [0.0, 1.0, 0.0, y], [-s, 0.0, c, z]]
     };
     at.map(turn).collect()
+}
+
+/// A stride that comes to each of so many casters before it comes to one again.
+fn stride(casters: usize) -> usize {
+    let divisor = |mut a: usize, mut b: usize| {
+        while b > 0 {
+            (a, b) = (b, a % b);
+        }
+        a
+    };
+    (97..).find(|stride| divisor(*stride, casters.max(1)) == 1).unwrap_or(1)
 }
 
 /// The devices on which frames run, and what draws.
@@ -111,7 +125,7 @@ impl<'a> Devices<'a> {
     }
 }
 
-/// Options of a scene that computes everything in each frame, or what changed only.
+/// Options of a scene that computes all bits and lists in each frame, or what changed only. It culls either way.
 fn options(keep_bits: bool) -> SceneOptions {
     let mut options = SceneOptions::default();
     options.measuring.set(Measuring::CACHED_BITS, !keep_bits);
@@ -185,6 +199,7 @@ pub(crate) fn measure(
     let mut scenes = scenes.collect::<Result<Vec<_>, _>>()?;
     stopwatch.by_clock(|encoder| encode_all(&mut scenes, encoder))?;
     let of_scenes = taken(before)?;
+    // This scene caches nothing on the GPU. The CPU records as for one that does.
     let mut entries = record(rounds, stopwatch, &setting, recorder.scene, scenes, host)?;
     // GPU times of the still scene stand beside its CPU times.
     entries[0] = entries[0].clone().and(&gpu_times.remove(1)).with_count("bytes", scene_bytes as usize);
@@ -199,7 +214,8 @@ pub(crate) fn measure(
     Ok(Row { section: Section::Casters, scene, title: mesh.counted(casters), group, facts, entries })
 }
 
-/// Measures a scene of one caster of about so many faces against an extractor.
+/// Measures a scene of one caster of about so many faces against an extractor, which does less: a scene also finds the faces
+/// that have a light in their plane.
 pub(crate) fn measure_one_mesh(
     rounds: Rounds,
     devices: &mut Devices<'_>,
@@ -234,9 +250,9 @@ fn facts(setting: &Setting, faces: usize, size: u32, [scene, other]: &[Vec<u64>;
     ]
 }
 
-/// Lights whose silhouette edges are not as many as they should be.
+/// Lights whose silhouette edges are not as many as they should be. A light that either lacks is one.
 fn wrong_lights(scene: &[u64], other: &[u64]) -> usize {
-    scene.iter().zip(other).filter(|(scene, other)| scene != other).count()
+    (0..scene.len().max(other.len())).filter(|&light| scene.get(light) != other.get(light)).count()
 }
 
 /// Records a frame up to some stage.
@@ -296,6 +312,7 @@ fn record(
 ) -> Result<Vec<Entry>, Error> {
     let (lights, mesh, handles) = (scene.lights.clone(), scene.meshes[0], scene.casters.clone());
     let (turned, casters) = (turned(setting), handles.len());
+    let stride = stride(casters);
     let scene = RefCell::new(scene);
     let recorded = |change: &mut dyn FnMut(&mut SceneRecorder<'_>) -> Result<(), Error>| {
         let mut scene = scene.borrow_mut();
@@ -313,8 +330,8 @@ fn record(
             round += 1;
             recorded(&mut |recorder| {
                 for _ in 0..count {
-                    next = (next + 97) % casters;
-                    recorder.scene.set_transform(handles[next], turned[(next + round) % casters])?;
+                    next = (next + stride) % casters;
+                    recorder.scene.set_transform(handles[next], turned[(next + round) % turned.len()])?;
                 }
                 Ok(())
             })
@@ -353,6 +370,8 @@ fn record(
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::*;
 
     #[test]
@@ -380,6 +399,20 @@ mod tests {
     }
 
     #[test]
+    fn all_casters_move_and_none_stays() {
+        for casters in [1, 10, 97, 970, 97 * 98, 10_000] {
+            let stride = stride(casters);
+            let moved: BTreeSet<usize> = (1..=casters).map(|number| number * stride % casters).collect();
+            assert_eq!(moved.len(), casters);
+        }
+        for casters in [1, 2, 30] {
+            let to = turned(&field(CasterMesh::Cube.shape(), casters));
+            assert_eq!(to.len(), casters + 1);
+            assert!((0..to.len()).all(|round| to[round] != to[(round + 1) % to.len()]), "{to:?}");
+        }
+    }
+
+    #[test]
     fn faces_of_casters_stay_apart_when_merged() {
         let mesh = field(CasterMesh::Cube.shape(), 7).casters.merged().mesh().expect("boxes are a mesh");
         assert_eq!([mesh.faces().len(), mesh.edges().len()], [7 * 12, 7 * 18]);
@@ -389,6 +422,7 @@ mod tests {
     #[test]
     fn a_wrong_light_is_counted_and_the_stages_of_extraction_are_stages() {
         assert_eq!((wrong_lights(&[7, 8, 9], &[7, 8, 9]), wrong_lights(&[7, 8, 9], &[7, 9, 9])), (0, 1));
+        assert_eq!((wrong_lights(&[7, 8, 9], &[]), wrong_lights(&[7], &[7, 8])), (3, 1));
         for name in EXTRACTION {
             assert!(rimline::internals::stages::STAGES.iter().any(|stage| stage.name == name), "{name}");
         }

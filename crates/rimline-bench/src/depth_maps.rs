@@ -17,7 +17,8 @@ const METHODS: [(&str, usize, usize); 6] = [
     ("lookup", 2, 3),
 ];
 
-/// The whole time of a frame's shadows, and the part of it that draws into the stencil.
+/// The whole time of a frame's shadows; and that of its draws into the stencil once more by themselves, which is no part of
+/// it.
 pub const FRAME: Metric = Metric::Time("frame");
 pub const STENCIL: Metric = Metric::Time("stencil");
 

@@ -284,10 +284,10 @@ fn shadows(rows: &[&Row]) -> Part {
             "One caster in the middle of a closed room, one point light, {size} × {size} pixels, paths of {frames} cameras, \
              after Hornus and others, ZP+: correct z-pass stencil shadows (2005). The stencil pass counts volumes; the whole \
              frame also extracts silhouettes, chooses, and draws depth and light. All methods of a path ran in turn, round \
-             by round. Wrong is a pixel that is lit or shadowed otherwise than by rays in double precision, more than a pixel \
-             from the shadow's edge. Where the camera stands in the shadow z-pass is wrong nearly everywhere. The one pixel in \
-             a few frames that is wrong by every method has an edge within the rasteriser's grid of its centre \
-             (docs/numerics/rasterisers.md, Hairlines)."
+             by round. Wrong, in about four frames of a path, is a pixel that is lit or shadowed otherwise than by rays in \
+             double precision, more than a pixel from the shadow's edge. Where the camera stands in the shadow z-pass is \
+             wrong nearly everywhere. The one pixel in a few frames that is wrong by every method has an edge within the \
+             rasteriser's grid of its centre (docs/numerics/rasterisers.md, Hairlines)."
         ),
         figures: vec![stencil_passes(rows), measured("shadows", rows)],
     }
@@ -372,7 +372,7 @@ fn casters(rows: &[&Row]) -> Part {
 /// A colour of the chart: what is done in some stages, in the order of the frame.
 const WORKS: [(&str, usize, &[&str]); 8] = [
     ("deforming", 0, &["deform"]),
-    ("what is needed", 6, &["cull_lights", "chunks"]),
+    ("what is needed", 6, &["needs", "cull_lights", "clusters", "chunks"]),
     ("facing", 3, &["facing", "exact_facing"]),
     ("edges", 1, &["edges", "arguments"]),
     ("choices", 5, &["receiver_depth", "receiver_pyramid", "relist", "bounds", "counting_methods"]),
@@ -470,9 +470,9 @@ fn depth_maps(rows: &[&Row]) -> Part {
             figure(
                 "depth_maps_against_meshes",
                 "A frame's shadows against the faces of the caster",
-                "Medians and quartiles; all methods ran in turn. Of a mesh: extraction, volumes and stencil. Of a map: drawing \
-                 it, detection, volumes and stencil. Of a lookup: drawing the map, and looking every pixel up. The eye's own \
-                 depth is not counted.",
+                "Medians and quartiles; all methods ran in turn. Of a mesh: extraction, volumes, stencil and darkening. Of a \
+                 map: drawing it, detection, volumes, stencil and darkening. Of a lookup: drawing the map, and looking every \
+                 pixel up. The eye's own depth is not counted.",
                 "milliseconds of a frame's shadows",
                 crate::depth_maps::FRAME,
             ),
@@ -497,5 +497,16 @@ mod tests {
         there.extend(crate::stress::scenes(1).map(|scene| scene.class));
         there.dedup();
         assert_eq!(CLASSES.map(|(class, _)| class).as_slice(), there);
+    }
+
+    /// A stage that has another name than here would be among the others.
+    #[test]
+    fn works_are_of_stages_and_extraction_is_among_them() {
+        for name in WORKS.iter().flat_map(|(.., stages)| stages.iter()) {
+            assert!(rimline::internals::stages::STAGES.iter().any(|stage| stage.name == *name), "{name}");
+        }
+        for name in crate::casters::EXTRACTION {
+            assert!(WORKS.iter().any(|(.., stages)| stages.contains(&name)), "{name}");
+        }
     }
 }

@@ -53,6 +53,8 @@ pub enum PlanError {
 
 #[derive(Clone, Debug)]
 pub struct Plan {
+    /// Extractions first: on Mesa's software device nothing may be drawn before stages are timed by timestamps, see
+    /// [`crate::gpu::Stopwatch`].
     pub(crate) jobs: Vec<Job>,
     pub(crate) rounds: Rounds,
     pub(crate) frames: Frames,

@@ -121,7 +121,7 @@ impl Entry {
         self.with(Metric::Count(name), [count as f64])
     }
 
-    /// Values round by round; none if it was not measured.
+    /// Values round by round, of wrong pixels frame by frame; none if it was not measured.
     pub fn values(&self, metric: Metric) -> &[f64] {
         self.metrics.iter().find(|(known, _)| *known == metric).map_or(&[], |(_, values)| values)
     }
@@ -182,7 +182,7 @@ impl Row {
         self.entry(id)?.summary(metric)
     }
 
-    /// A metric of one variant divided by that of another, round by round.
+    /// A metric of one variant divided by that of another, round by round. Both have it in the same rounds.
     pub fn ratio(&self, metric: Metric, id: &str, to: &str) -> Option<Summary> {
         let [values, others] = [self.entry(id)?, self.entry(to)?].map(|entry| entry.values(metric));
         Summary::of(values.iter().zip(others).map(|(value, other)| value / other).filter(|ratio| ratio.is_finite()))

@@ -69,7 +69,7 @@ const DRAWING: &str = "
 }
 ";
 
-/// How many fronts and how many backs cover each pixel, row by row. Colours add them up, so OpenGL can do it, too.
+/// How many fronts and how many backs cover each pixel, row by row, up to 255. Colours add them up, so OpenGL can do it, too.
 pub fn coverage(device: &wgpu::Device, queue: &wgpu::Queue, triangles: &[Triangle]) -> Result<Vec<[u8; 2]>, String> {
     let (needed, most) = (size_of_val(triangles) as u64, device.limits().max_buffer_size);
     if needed > most {

@@ -78,7 +78,8 @@ fn exactness(rows: &[&Row], what: &str) -> Option<Line> {
 
 /// The same of scenes that are hard on floating-point arithmetic.
 fn hard_scenes(rows: &[&Row]) -> Option<Line> {
-    let costs = rows.iter().filter_map(|row| {
+    let lights = usual_lights(rows);
+    let costs = rows.iter().filter(|row| row.lights() == lights).filter_map(|row| {
         let gpu = row.ratio(TIME, GPU_EXACT, GPU_FAST).or_else(|| row.ratio(TIME, CPU_EXACT, CPU_FAST));
         Some((gpu?.median, &row.title))
     });
@@ -193,6 +194,17 @@ mod tests {
         assert!(lines[0].contains(": speed ") && lines[0].ends_with(" 2.00× at 8 lights"), "{text}");
         assert!(lines[1].ends_with("1.50× on the GPU"), "{text}");
         assert!(lines[2].ends_with("6 by 2003, 2 by f32, 3 by exact"), "{text}");
+    }
+
+    #[test]
+    fn a_hard_scene_counts_once() {
+        let hard = |lights: usize, ms: f64| Row {
+            group: "plate".to_owned(),
+            facts: vec![("faces", json!(4)), ("lights", json!(lights))],
+            ..row(4, vec![entry(GPU_FAST, 2.0), entry(GPU_EXACT, ms)])
+        };
+        let text = summary(&[hard(1, 9.0), hard(8, 3.0), hard(32, 9.0)]);
+        assert!(text.contains("exactness, 1 scenes") && text.contains("1.50× in the middle, up to 1.50×"), "{text}");
     }
 
     #[test]

@@ -105,7 +105,8 @@ pub struct Checked {
     pub inside: usize,
 }
 
-/// Fails on the first facing bit that is wrong outside the band of the local form, or set past the lights.
+/// Fails on the first facing bit that is wrong outside the band of the local form, or set past the lights. Bits in the band
+/// pass, right or wrong, so a caller looks at how many were outside.
 pub fn check_facing(
     what: &str,
     facing: &[u32],

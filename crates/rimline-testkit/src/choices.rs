@@ -6,8 +6,8 @@ use rimline::internals::shadow::{
     CAST_BACK_FACING, CAST_EVERY, CAST_NOTHING, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005,
 };
 
-/// The lights of a single caster and view, with the choices that `counting_methods` and the stages after it left in
-/// `words`. Words that are missing count as 0.
+/// The lights of a single caster and view, with the choices that `counting_methods` left in `words`. Draws leave out near
+/// caps where `CHOICE_LISTED_NEAR_CAP` is not set, too, which this does not read. Words that are missing count as 0.
 pub fn chosen(shape: &ShadowShape, seen: &[ViewLight], words: &[u32]) -> Vec<ShadowLight> {
     let word = |at: usize| words.get(at).copied().unwrap_or(0);
     let light = |(number, seen): (usize, &ViewLight)| {

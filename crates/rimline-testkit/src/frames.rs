@@ -205,7 +205,7 @@ impl Rays {
         let ndc = point / self.size * 2.0 - 1.0;
         let (x, y) = (ndc.x, -ndc.y);
         let near = self.inverse * DVec4::new(x, y, self.near_z, 1.0);
-        // Half way to the far plane, wherever that is.
+        // Depth 0.5 is beyond the near plane.
         let beyond = self.inverse * DVec4::new(x, y, 0.5, 1.0);
         let [near, beyond] = [near, beyond].map(|p| p.truncate() / p.w);
         (near + self.origin, (beyond - near).normalize())

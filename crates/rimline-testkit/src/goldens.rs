@@ -1,5 +1,6 @@
 //! Goldens: hashes of results that every driver must give bit for bit, one `name hash` a line in
-//! `tests/goldens/SUBJECT.txt`. docs/testing.md, "Goldens", says how to write them anew.
+//! `tests/goldens/SUBJECT.txt`. docs/testing.md, "Goldens", says how to write them anew. A line whose case is gone stays
+//! until it is removed by hand.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

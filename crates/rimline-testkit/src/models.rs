@@ -52,7 +52,8 @@ pub fn random_geometry(
     Geometry::new(positions, faces, options).expect("one entry a vertex")
 }
 
-/// One geometry rigid, one skinned, one with morph targets, one with everything; some of them with several instances.
+/// One geometry rigid, one skinned, one with morph targets, one with everything, and a triangle with a target and with
+/// vertices that no joint influences; some of them with several instances.
 pub fn random_model(random: &mut Random, vertices: usize) -> Model {
     let geometries = vec![
         random_geometry(random, vertices, None, 0),

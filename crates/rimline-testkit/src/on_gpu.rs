@@ -154,14 +154,17 @@ pub fn repeated_torus(rings: u32, segments: u32, repeated: usize) -> Shape {
     shape
 }
 
-/// Whether two extractions found the same, the order of unordered lists apart.
+/// Whether two extractions found the same, the order of unordered lists apart. Lists that overflowed are compared only if
+/// they are ordered.
 pub fn compare(what: &str, found: &Found, expected: &Found, capacity: u32, ordered: bool) -> Result<(), String> {
     same(&format!("{what}, facing"), &found.facing, &expected.facing)?;
+    same(&format!("{what}, twisted"), &found.twisted, &expected.twisted)?;
     same(&format!("{what}, excluded"), &found.excluded, &expected.excluded)?;
     same(&format!("{what}, masks"), &found.masks, &expected.masks)?;
     same(&format!("{what}, counts"), &found.counts, &expected.counts)?;
     same(&format!("{what}, draws"), &found.draws, &expected.draws)?;
     same(&format!("{what}, statistics"), &[found.statistics], &[expected.statistics])?;
+    same(&format!("{what}, number of lists"), &[found.lists.len()], &[expected.lists.len()])?;
     for (light, (list, whole)) in found.lists.iter().zip(&expected.lists).enumerate() {
         let sorted = |list: &[u32]| {
             let mut list = list.to_vec();

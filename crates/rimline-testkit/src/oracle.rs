@@ -42,7 +42,8 @@ pub fn facing(positions: &[[f32; 3]], faces: &[[u32; 3]], lights: &[Light]) -> V
     masks(positions, faces, lights, |sign| sign > 0)
 }
 
-/// Masks of the lights for which a face is excluded, likewise: those in its plane, and all where it is not finite.
+/// Masks of the lights for which a face is excluded, likewise: those in its plane, all where it is not finite, and none of a
+/// finite face that names a vertex twice.
 pub fn excluded(positions: &[[f32; 3]], faces: &[[u32; 3]], lights: &[Light]) -> Vec<u32> {
     let mut found = masks(positions, faces, lights, |sign| sign == 0);
     let is_finite = |face: &[u32; 3]| face.iter().all(|&v| positions[v as usize].iter().all(|c| c.is_finite()));

@@ -67,7 +67,7 @@ impl PolygonSet {
     }
 }
 
-/// One random polygon with its name, of 3 to `most` corners in its outer loop.
+/// One random polygon with its name, of 3 to about `most` corners in its outer loop.
 pub fn random_polygon(random: &mut Random, most: usize) -> (&'static str, PolygonSet) {
     let corners = 3 + random.below(most.max(4) - 2);
     let mut set = PolygonSet::default();

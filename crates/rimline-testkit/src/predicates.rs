@@ -68,8 +68,8 @@ pub fn bits_of_pairs(masks: &[u32]) -> Vec<bool> {
     (0..).zip(masks).map(|(face, mask)| mask >> (face % LIGHTS) & 1 != 0).collect()
 }
 
-/// Runs on batches of every class, with the class's name and the exact signs: 200,000 pairs, 10 million in the long run.
-/// Fails where a class lacks the signs that it is there for.
+/// Runs on batches of every class, with the class's name and the exact signs: at least 200,000 pairs, 10 million in the long
+/// run. Fails where a class lacks the signs that it is there for.
 pub fn for_every_class(
     seed: u64,
     mut run: impl FnMut(&str, &Batch, &[i32]) -> Result<(), String>,

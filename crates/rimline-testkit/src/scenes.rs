@@ -88,7 +88,7 @@ pub fn direction(random: &mut Random) -> DVec3 {
 }
 
 /// `count` lights about a camera: anywhere, at infinity, of any weight, on the near plane and close to it on either
-/// side, far away, at the eye, at infinity along the near plane.
+/// side, far away, at the eye, at infinity along the near plane. One in four has a range.
 pub fn lights(random: &mut Random, pose: Pose, count: usize) -> Vec<Light> {
     let light = |index: usize| {
         let unit = |random: &mut Random| f64::from(random.between(-1.0, 1.0));

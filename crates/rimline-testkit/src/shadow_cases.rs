@@ -137,7 +137,7 @@ pub fn shadow_cases(random: &mut Random, points: usize, lights: usize) -> Vec<Sh
 fn grazing(random: &mut Random, counts: [usize; 2]) -> ShadowCase {
     let mut shape = Shape { positions: vec![[0.0; 3]], faces: Vec::new() };
     let mut lights = Vec::new();
-    // Faces a cluster of boxes; all but one name a vertex twice and so are in no box.
+    // Faces a cluster, `CLUSTER` of src/cpu/query/shadow_boxes.rs; all but one name a vertex twice and so are in no box.
     let cluster = 32;
     for number in 0..16 {
         let corner: [f32; 3] = std::array::from_fn(|_| random.between(1e6, 2e6));

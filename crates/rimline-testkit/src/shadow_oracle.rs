@@ -19,7 +19,7 @@ fn decode(value: f32) -> (i32, i32) {
     (if bits >> 31 == 0 { mantissa } else { -mantissa }, exponent)
 }
 
-/// The value times a power of two that makes an integer of it.
+/// A finite value times 2^`exponent`, which must make an integer of it: `-least` does.
 pub fn scaled(value: f32, exponent: i32) -> BigInt {
     let (mantissa, exponent_of_value) = decode(value);
     if mantissa == 0 { BigInt::ZERO } else { BigInt::from(mantissa) << (exponent_of_value + exponent) as usize }

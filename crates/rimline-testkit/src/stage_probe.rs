@@ -23,9 +23,10 @@ pub type Input<const N: usize> = (u32, [[f32; 3]; N]);
 
 impl Probe {
     /// `body` sets `out[0]` and so on to four numbers each, from `input_position(0)` and so on, and from `pair`, a
-    /// camera and a light, if it names that. A probe is made once for a device.
+    /// camera and a light, if it names that. Inputs of [`Self::run`] have as many `positions`. A probe is made once for a
+    /// device.
     pub fn of(gpu: &Gpu, stage: &Stage, [positions, outputs]: [usize; 2], body: &str) -> Result<Arc<Self>, String> {
-        gpu.kept(body, || {
+        gpu.kept(&format!("{} {positions} {outputs} {body}", stage.module), || {
             let takes_light = body.contains("pair.");
             let pair = if takes_light { "let pair = probe_seen[probe_inputs[probe_first].w];" } else { "" };
             let source = format!(

@@ -158,3 +158,30 @@ pub(crate) fn share<T: Send, S: Sync>(
         work(first_results, first_items);
     });
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shapes;
+
+    /// The report has the reference's bits for the plain loop.
+    #[test]
+    fn the_plain_loop_finds_what_its_reference_does() {
+        let shape = shapes::blob(30, 0.4, 3);
+        let mesh = shape.mesh().expect("a blob is a mesh");
+        for light in [Light::point([0.3, 2.0, 1.0]), Light::directional([1.0, -0.5, 0.2])] {
+            let lights = [light];
+            let case = Case { positions: &shape.positions, mesh: &mesh, lights: &lights };
+            let expected = extraction(&case, Algorithm::Plain);
+            let expected_silhouettes: Vec<u32> = expected.masks.iter().map(|masks| masks.silhouette).collect();
+            for threads in [1, 3] {
+                let (mut facing, mut silhouettes) = (vec![2; mesh.faces().len()], vec![2; mesh.edges().len()]);
+                plain_loop(&shape.positions, &mesh, light, threads, &mut facing, &mut silhouettes);
+                let words = |bytes: &[u8]| bytes.iter().copied().map(u32::from).collect::<Vec<_>>();
+                assert_eq!(words(&facing), expected.facing);
+                assert_eq!(words(&silhouettes), expected_silhouettes);
+                assert!(facing.contains(&0) && facing.contains(&1) && silhouettes.contains(&1));
+            }
+        }
+    }
+}

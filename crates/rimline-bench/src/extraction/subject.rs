@@ -39,7 +39,7 @@ pub(crate) struct Made {
     pub(crate) positions: Vec<[f32; 3]>,
     /// The time to make the edge records.
     pub(crate) topology_ms: f64,
-    /// Lights of a scene, or of the user.
+    /// So many lights of a scene, or all of the user's, for any number.
     lights: Option<Box<dyn Fn(usize) -> Vec<Light>>>,
 }
 
@@ -80,7 +80,7 @@ impl Subject {
 }
 
 impl Made {
-    /// Its lights, or points and directions all around, above its middle.
+    /// Its lights, or so many points and directions all around, above its middle.
     pub(crate) fn lights(&self, count: usize) -> Vec<Light> {
         if let Some(lights) = &self.lights {
             return lights(count);

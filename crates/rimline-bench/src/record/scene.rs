@@ -22,7 +22,8 @@ pub enum Until<'a> {
     Volumes(Option<&'a TextureView>),
 }
 
-/// Options of a scene without clusters that makes its lists anew in each frame.
+/// Options of a scene without clusters that makes its lists anew in each frame. Any scene does so with the bits of casters in
+/// buffers; those of rigid casters stay cached.
 pub fn made_anew(max_lights: usize, counting: Counting) -> SceneOptions {
     let measuring = Measuring::CACHED_LISTS;
     SceneOptions { max_lights, counting, clusters_from: None, measuring, ..SceneOptions::default() }
@@ -94,7 +95,8 @@ impl<'a> SceneRecorder<'a> {
         Ok(positions.map(|positions| positions.buffer))
     }
 
-    /// Begins a frame. Returns whether casters walk, so that they must be deformed.
+    /// Begins a frame: [`Self::encode`] moves casters and lights by the number of frames begun. Returns whether casters walk,
+    /// so that they must be deformed.
     pub fn begin(&mut self) -> Result<bool, Error> {
         if let (Some(model), Casters::Walking { pose, .. }) = (self.model, &self.setting.casters) {
             self.scene.set_pose(model, &pose(self.frames)?)?;
@@ -108,7 +110,7 @@ impl<'a> SceneRecorder<'a> {
         Ok(self.scene.deform(encoder, FrameInputs { views: &views, timer })?)
     }
 
-    /// Moves what the setting moves, and records the compute stages of the frame.
+    /// Moves what the setting moves, nothing without [`Self::begin`], and records the compute stages of the frame.
     pub fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,

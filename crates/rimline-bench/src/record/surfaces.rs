@@ -74,7 +74,8 @@ impl Surfaces {
         Self { frame, pipelines, color: lit.map(|size| gpu.texture([size; 2], COLOR)), all }
     }
 
-    /// The surfaces that the eye sees of a setting. `deformed` are the positions of casters that walk.
+    /// The surfaces that the eye sees of a setting. `deformed` are the positions of casters that walk, instances of one
+    /// geometry. Drift moves none of them.
     pub fn of(gpu: &Gpu, format: TextureFormat, setting: &Setting, deformed: Option<&wgpu::Buffer>) -> Self {
         let mut surfaces = Vec::new();
         match (&setting.casters, deformed) {

@@ -13,7 +13,7 @@ use crate::shapes::{self, Shape};
 /// A caster's name and shape.
 type Model = (&'static str, fn() -> Shape);
 
-/// Casters within 1.6 of the middle, of about the sizes of the paper's three.
+/// Casters within 1.85 of the middle, of about the sizes of the paper's three.
 pub(crate) const MODELS: [Model; 3] = [
     ("twisted torus", twisted_torus),
     ("lumpy sphere", || shapes::blob(50, 0.5, 3)),

@@ -155,7 +155,7 @@ fn facts(scene: &SkipScene, setting: &Setting, size: u32) -> Vec<(&'static str, 
     ]
 }
 
-/// Times the stages, on a device on which nothing is drawn.
+/// Times the stages of the next frame without receivers, on a device on which nothing is drawn. Posing is not timed.
 fn stages_alone(recorder: &mut SceneRecorder<'_>, stopwatch: &mut Stopwatch<'_>) -> Result<Sample, Error> {
     recorder.begin()?;
     let timed = stopwatch.timed(|encoder, mut timer| {
@@ -174,8 +174,8 @@ fn stages_alone(recorder: &mut SceneRecorder<'_>, stopwatch: &mut Stopwatch<'_>)
     Ok(sample)
 }
 
-/// Runs a frame: deforms, draws depths, then runs stages and stencil passes. Depths are the caller's in any case, so
-/// they are not timed.
+/// Runs the next frame: poses, deforms, draws depths, then runs stages and stencil passes. Poses and depths are the caller's
+/// in any case, so they are not timed.
 fn frame(drawn: &mut Drawn<'_>, stopwatch: &mut Stopwatch<'_>) -> Result<Sample, Error> {
     let [mut recording_ms, mut frame_ms] = [0.0; 2];
     if drawn.scene.begin()? {

@@ -120,7 +120,7 @@ fn grid(cells: usize) -> [usize; 2] {
 fn moving(casters: usize) -> Setting {
     // A caster is 3 wide.
     const PITCH: f32 = 6.0;
-    // 4,000 faces, and 5,780, which are in clusters.
+    // 4,000 faces, and 5,832, which are in clusters.
     let shapes = vec![CasterMesh::Character.shape(), shapes::blob(27, 0.4, 3)];
     let [columns, rows] = grid(casters);
     let placed = (0..casters).map(|number| {
@@ -186,7 +186,7 @@ fn prism(outline: &[[f32; 2]]) -> Shape {
     shape
 }
 
-/// Rooms along a side of the house. Each has a lamp. The sides of all walls are as many as a scene tries as occluders.
+/// Rooms along a side of the house. Each has a lamp. The sides of all walls are 96; a scene tries at most 128 occluders.
 const ROOMS: usize = 3;
 const CASTERS_A_ROOM: usize = 12;
 

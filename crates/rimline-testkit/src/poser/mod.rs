@@ -114,12 +114,15 @@ pub fn compare(what: &str, found: &[[f32; 3]], expected: &[Posed]) -> Result<f64
     Ok(largest)
 }
 
-/// Fails where a vertex is outside of its instance's box. `within` has the coordinates of each vertex.
+/// Fails where a vertex is outside of its instance's box, or if there are not as many vertices and boxes as the model has.
 pub fn within_boxes<T: Copy + Into<f64>>(
     model: &Model,
     boxes: &[Option<Box3>],
     within: &[[T; 3]],
 ) -> Result<(), String> {
+    if within.len() != model.vertex_count() || boxes.len() != model.instances().len() {
+        return Err(format!("{} vertices and {} boxes are not all of the model's", within.len(), boxes.len()));
+    }
     let mut rest = within.iter();
     for (instance, (geometry, bounds)) in model.placed_geometries().zip(boxes).enumerate() {
         let [low, high] = bounds.ok_or_else(|| format!("instance {instance} has no box"))?;

@@ -28,7 +28,7 @@ pub fn limits(lights: u32, exact_items: u32) -> Limits<'static> {
         ("POLYGON_TRIANGLES", POLYGON_TRIANGLES as u64),
         // Two thousand million edges in blocks of 256, which 256 invocations share.
         ("SCAN_BLOCKS", 32_000),
-        // A light of a view has 64 bytes at least, and 32 of them share a word.
+        // A light of a view has 512 bytes, and 32 of them share a word: half of this.
         ("BOUND_CHOICES", 1 << 14),
         // A caster has 128 bytes of the table, and 256 invocations share them.
         ("PENCIL_CASTERS", 1 << 12),

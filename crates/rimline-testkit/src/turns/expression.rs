@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 type Names = BTreeMap<String, i64>;
 
 /// The value of an expression of whole numbers, names, `+ - * /`, parentheses and calls that return what they are given.
+/// Quotients are cut to whole numbers, as in WGSL.
 pub(super) fn value(text: &str, names: &Names) -> Option<i64> {
     let mut tokens = tokens(text);
     tokens.reverse();
