@@ -11,6 +11,9 @@ use rimline::{Mesh, MeshError, Model, ModelError, Pose};
 use rimline_files::{File, FileError};
 use rimline_picture::Bounds;
 
+/// The largest coordinate of models, so that cameras are finite a thousand sizes away.
+const FARTHEST: f32 = 1e30;
+
 /// Why a model cannot be shown.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -27,6 +30,9 @@ pub enum BodyError {
     /// There is nothing to look at.
     #[error("it has no faces with finite corners")]
     NoFaces,
+    /// Cameras and lights around it would not be finite.
+    #[error("it has corners beyond 1e30, which is too far to be shown; scale it down")]
+    TooFar,
     /// The file cannot be read.
     #[error(transparent)]
     File(#[from] FileError),
@@ -201,8 +207,10 @@ impl Body {
         let mesh = source.model().mesh(&pose)?;
         let world = deform(source.model(), &pose, 0.0, None, Threads::new(1))?;
         let used = mesh.faces().iter().flatten().filter_map(|&vertex| world.get(vertex as usize).copied());
-        let bounds = Bounds::of(used).filter(|bounds| (bounds.max - bounds.min).is_finite());
-        let bounds = bounds.ok_or(BodyError::NoFaces)?;
+        let bounds = Bounds::of(used).ok_or(BodyError::NoFaces)?;
+        if bounds.min.min_element() < -FARTHEST || bounds.max.max_element() > FARTHEST {
+            return Err(BodyError::TooFar);
+        }
         let found = MeshDiagnostics::of(&mesh, 0);
         let report = Report {
             faces: mesh.faces().len(),
