@@ -121,7 +121,6 @@ impl Viewer {
         let count = self.bodies[index].animations().len();
         let next = self.bodies[index].animation.map_or(0, |animation| (animation + 1) % count);
         self.play(index, Some(next));
-        self.clock.seconds = 0.0;
     }
 
     pub(super) fn lamp(&mut self) -> Option<&mut Lamp> {
@@ -144,5 +143,54 @@ impl Viewer {
         // Numbers of the others change, so nothing may go on with the old ones.
         (self.hovered, self.drag) = (None, None);
         self.selected = self.lamps.len().checked_sub(1).map(|last| number.min(last));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use rimline_files::{File, ReadOptions, read_bytes};
+
+    use super::*;
+    use crate::state::body::{Body, BodyError, Source};
+    use crate::state::event::Event;
+
+    /// A triangle with two animations.
+    struct Moving(File);
+
+    impl Source for Moving {
+        fn model(&self) -> &rimline::Model {
+            self.0.model()
+        }
+
+        fn pose(&self, _: Option<usize>, seconds: f32) -> Result<rimline::Pose, BodyError> {
+            Ok(self.0.pose(&[], seconds)?)
+        }
+
+        fn animations(&self) -> Vec<(String, f32)> {
+            vec![("walk".to_owned(), 3.0), ("run".to_owned(), 1.0)]
+        }
+    }
+
+    fn viewer() -> Viewer {
+        let triangle = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+        let file = read_bytes(triangle, Some(Path::new("a.obj")), &ReadOptions::default()).expect("a triangle");
+        Viewer::new(vec![Body::new("a.glb", None, Moving(file)).expect("a triangle")])
+    }
+
+    #[test]
+    fn an_animation_that_is_chosen_starts_at_its_beginning() {
+        for choose in [
+            |viewer: &mut Viewer| viewer.play(0, Some(1)),
+            |viewer: &mut Viewer| viewer.handle(Event::Acted(Action::NextAnimation)),
+        ] {
+            let mut viewer = viewer();
+            viewer.handle(Event::Passed(2.5));
+            let before = viewer.generation();
+            choose(&mut viewer);
+            assert_eq!((viewer.clock.seconds, viewer.duration()), (0.0, 1.0));
+            assert_ne!(viewer.generation(), before);
+        }
     }
 }

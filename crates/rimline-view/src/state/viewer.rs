@@ -249,10 +249,11 @@ impl Viewer {
         opened.or_else(|| self.bodies.iter().any(|body| body.file.is_some()).then_some(self.origin))
     }
 
-    /// Lets another animation of a model play, or none.
+    /// Lets an animation of a model play, or none. The time of all models starts again, also if it plays already.
     pub fn play(&mut self, index: usize, animation: Option<usize>) {
-        if let Some(body) = self.bodies.get_mut(index).filter(|body| body.animation != animation) {
-            body.animation = animation;
+        let Some(body) = self.bodies.get_mut(index) else { return };
+        self.clock.seconds = 0.0;
+        if std::mem::replace(&mut body.animation, animation) != animation {
             self.change();
         }
     }
