@@ -3,6 +3,7 @@
 use glam::Vec3;
 use rimline_picture::Mode;
 
+use super::camera::Orbit;
 use super::keys::Action;
 use super::lamp::Lamp;
 use super::options::{COUNTINGS, SWITCHES};
@@ -105,9 +106,12 @@ impl Viewer {
 
     fn next_camera(&mut self) {
         let cameras = self.cameras();
-        let current = cameras.iter().position(|(_, orbit)| *orbit == self.orbit);
-        let next = current.map_or(0, |current| (current + 1) % cameras.len());
-        match cameras.get(next) {
+        let first = |orbit: &Orbit| cameras.iter().position(|(_, other)| other == orbit);
+        let after = first(&self.orbit).map_or(0, |current| current + 1);
+        let mut others = (after..after + cameras.len()).map(|index| index % cameras.len());
+        // One with the view of an earlier one would be taken for that, and those after it not be reached.
+        let next = others.find(|&index| first(&cameras[index].1) == Some(index));
+        match next.map(|index| &cameras[index]) {
             Some((name, orbit)) => {
                 self.orbit = *orbit;
                 self.message = Some(Message::new(Tone::Note, format!("camera {name}")));
@@ -150,16 +154,17 @@ impl Viewer {
 mod tests {
     use std::path::Path;
 
+    use rimline::gltf::{CameraProjection, SceneCamera};
     use rimline_files::{File, ReadOptions, read_bytes};
 
     use super::*;
     use crate::state::body::{Body, BodyError, Source};
     use crate::state::event::Event;
 
-    /// A triangle with two animations.
-    struct Moving(File);
+    /// A triangle with two animations and five cameras.
+    struct Filmed(File);
 
-    impl Source for Moving {
+    impl Source for Filmed {
         fn model(&self) -> &rimline::Model {
             self.0.model()
         }
@@ -171,26 +176,46 @@ mod tests {
         fn animations(&self) -> Vec<(String, f32)> {
             vec![("walk".to_owned(), 3.0), ("run".to_owned(), 1.0)]
         }
+
+        fn cameras(&self) -> Vec<SceneCamera> {
+            let projection = CameraProjection::Perspective { yfov: 0.5, aspect_ratio: None, znear: 0.1, zfar: None };
+            let forward = Vec3::new(-1.0, 0.0, -1.0).normalize().into();
+            let of = |(name, x): (&str, f32)| {
+                let (name, eye, up) = (Some(name.to_owned()), [x, 0.0, x], Vec3::Y.into());
+                SceneCamera { name, eye, forward, up, projection }
+            };
+            [("a", 2.0), ("b", 3.0), ("a again", 2.0), ("c", 4.0), ("too far", 3e38)].map(of).into()
+        }
     }
 
     fn viewer() -> Viewer {
         let triangle = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
         let file = read_bytes(triangle, Some(Path::new("a.obj")), &ReadOptions::default()).expect("a triangle");
-        Viewer::new(vec![Body::new("a.glb", None, Moving(file)).expect("a triangle")])
+        Viewer::new(vec![Body::new("a.glb", None, Filmed(file)).expect("a triangle")])
     }
 
     #[test]
     fn an_animation_that_is_chosen_starts_at_its_beginning() {
-        for choose in [
-            |viewer: &mut Viewer| viewer.play(0, Some(1)),
-            |viewer: &mut Viewer| viewer.handle(Event::Acted(Action::NextAnimation)),
-        ] {
+        let choices: [fn(&mut Viewer); 2] =
+            [|viewer| viewer.play(0, Some(1)), |viewer| viewer.handle(Event::Acted(Action::NextAnimation))];
+        for choose in choices {
             let mut viewer = viewer();
             viewer.handle(Event::Passed(2.5));
             let before = viewer.generation();
             choose(&mut viewer);
             assert_eq!((viewer.clock.seconds, viewer.duration()), (0.0, 1.0));
             assert_ne!(viewer.generation(), before);
+        }
+    }
+
+    #[test]
+    fn every_view_of_the_cameras_is_reached() {
+        let mut viewer = viewer();
+        for name in ["a", "b", "c", "a"] {
+            viewer.handle(Event::Acted(Action::NextCamera));
+            let said = viewer.message.as_ref().map(|message| message.text.as_str());
+            assert_eq!(said, Some(format!("camera {name}").as_str()));
+            assert!(viewer.orbit.eye().is_finite());
         }
     }
 }

@@ -184,7 +184,7 @@ impl Viewer {
         self.orbit.camera(self.size, &self.bounds(), self.ground())
     }
 
-    /// Names and views of the files' cameras.
+    /// Names and views of the files' cameras. One too far away to be looked through is left out.
     pub fn cameras(&self) -> Vec<(String, Orbit)> {
         let bounds = self.bounds();
         let cameras = self.bodies.iter().flat_map(Body::cameras).enumerate();
@@ -192,7 +192,8 @@ impl Viewer {
             let name = camera.name.as_deref().map_or_else(|| format!("camera {number}"), short);
             (name, Orbit::of_file(camera, &bounds))
         };
-        cameras.map(named).collect()
+        let is_near = |(_, orbit): &(String, Orbit)| orbit.target.is_finite() && orbit.distance.is_finite();
+        cameras.map(named).filter(is_near).collect()
     }
 
     /// The longest animation that plays, in seconds.
