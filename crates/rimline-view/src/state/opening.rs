@@ -42,8 +42,11 @@ fn body(name: &str, path: String, mut file: File, origin: Option<Origin>) -> Res
 mod tests {
     use std::path::Path;
 
-    use rimline_files::{ReadOptions, read_bytes};
+    use rimline::Light;
+    use rimline::gltf::{SceneLight, SceneLightKind};
+    use rimline_files::{File, ReadOptions, read_bytes};
 
+    use crate::state::body::{Body, BodyError, Source};
     use crate::state::event::Event;
     use crate::state::keys::Action;
     use crate::state::viewer::{Tone, Viewer};
@@ -81,6 +84,48 @@ mod tests {
                 viewer.handle(Event::Acted(Action::Farther));
             }
         }
+    }
+
+    /// A triangle with so many lights.
+    struct Lit(File, usize);
+
+    impl Source for Lit {
+        fn model(&self) -> &rimline::Model {
+            self.0.model()
+        }
+
+        fn pose(&self, _: Option<usize>, seconds: f32) -> Result<rimline::Pose, BodyError> {
+            Ok(self.0.pose(&[], seconds)?)
+        }
+
+        fn lights(&self) -> Vec<SceneLight> {
+            let (light, kind) = (Light::point([0.0, 2.0, 0.0]), SceneLightKind::Point);
+            let (color, intensity) = ([1.0; 3], 1.0);
+            vec![SceneLight { name: None, light, kind, color, intensity, range: None, cone: None }; self.1]
+        }
+    }
+
+    #[test]
+    fn lights_that_are_left_out_are_told() {
+        let mut viewer = Viewer::new(crate::scenes::moebius().expect("a band"));
+        let mut open = |name: &str, lights: usize| {
+            let content = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+            let file = read_bytes(content, Some(Path::new("a.obj")), &ReadOptions::default()).expect("a triangle");
+            let body = Body::new(name, Some(name.to_owned()), Lit(file, lights)).expect("a triangle");
+            viewer.handle(Event::Opened(Ok(Box::new(body))));
+            let message = viewer.message.clone().expect("a file was opened");
+            (viewer.lamps.len(), message.tone, message.text)
+        };
+        let of_nine = "a.glb: only the first 8 of its 9 lights are shown";
+        let of_two = "b.glb: its lights (2) are left out, since only those of the first model are shown";
+        assert_eq!(open("a.glb", 9), (8, Tone::Error, of_nine.to_owned()));
+        assert_eq!(open("b.glb", 2), (8, Tone::Error, format!("{of_nine}\n{of_two}")));
+        assert_eq!(open("c.glb", 0), (8, Tone::Error, format!("{of_nine}\n{of_two}")));
+        viewer.handle(Event::Opening);
+        (0..3).for_each(|_| viewer.remove_body(0));
+        let body = crate::scenes::moebius().expect("a band").remove(0);
+        viewer.handle(Event::Opened(Ok(Box::new(body))));
+        assert!(viewer.message.as_ref().is_some_and(|message| message.tone == Tone::Note) && viewer.lamps.len() == 3);
     }
 
     #[test]

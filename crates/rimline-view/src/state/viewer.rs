@@ -126,7 +126,7 @@ pub struct Viewer {
 }
 
 impl Viewer {
-    /// Shows these models, with three lights around them.
+    /// Shows these models, with the lights of the first one, at most eight, or with three around them.
     pub fn new(bodies: Vec<Body>) -> Self {
         let orbit = Orbit { target: Vec3::ZERO, azimuth: 0.0, elevation: 0.0, distance: 1.0, fov: 35.0 };
         let mut viewer = Self {
@@ -339,6 +339,7 @@ impl Viewer {
         }
         self.is_built_in = false;
         let text = format!("{}: {} faces", body.name, body.report().faces);
+        let left_out = self.lights_left_out(&body);
         self.bodies.push(body);
         let (lamps, orbit) = (self.lamps.clone(), self.orbit);
         let is_first = self.bodies.len() == 1;
@@ -353,6 +354,21 @@ impl Viewer {
         // The selected light is one of those that stay.
         self.begin();
         self.message = Some(failed.unwrap_or_else(|| Message::new(Tone::Note, text)));
+        if let Some(error) = left_out {
+            self.add_error(&error);
+        }
+    }
+
+    /// Says which lights of a model that is to be added are left out, if some are.
+    fn lights_left_out(&self, body: &Body) -> Option<String> {
+        let (name, count, is_first) = (&body.name, body.lights().len(), self.bodies.is_empty());
+        if is_first && count > MAX_LAMPS {
+            Some(format!("{name}: only the first {MAX_LAMPS} of its {count} lights are shown"))
+        } else if !is_first && count > 0 {
+            Some(format!("{name}: its lights ({count}) are left out, since only those of the first model are shown"))
+        } else {
+            None
+        }
     }
 
     /// Other models are shown: what belongs to those before ends.
@@ -365,7 +381,7 @@ impl Viewer {
         self.message = None;
     }
 
-    /// Places camera and lights for new models.
+    /// Places camera and lights for new models: lights of the first one, or three around all.
     fn arrange(&mut self) {
         let bounds = self.bounds();
         self.lamps = self.bodies.first().map_or_else(Vec::new, |body| Lamp::all_of_file(&body.lights(), &bounds));
