@@ -129,6 +129,27 @@ mod tests {
     }
 
     #[test]
+    fn files_are_all_seen_again_in_a_picture_of_another_size() {
+        for is_turned in [false, true] {
+            let mut viewer = Viewer::new(crate::scenes::moebius().expect("a band"));
+            let content = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+            let file = read_bytes(content, Some(Path::new("a.obj")), &ReadOptions::default());
+            assert_eq!(viewer.open("a.obj", "a.obj".to_owned(), file), None);
+            if is_turned {
+                viewer.handle(Event::Acted(Action::TurnLeft));
+            }
+            let before = viewer.orbit;
+            viewer.handle(Event::Acted(Action::NextScene));
+            viewer.handle(Event::Resized([130, 900]));
+            (0..crate::scenes::ALL.len()).for_each(|_| viewer.handle(Event::Acted(Action::NextScene)));
+            assert!(!viewer.is_built_in());
+            let after = viewer.orbit;
+            viewer.handle(Event::Acted(Action::ResetCamera));
+            assert_eq!((after == before, after == viewer.orbit), (is_turned, !is_turned));
+        }
+    }
+
+    #[test]
     fn errors_of_files_stay_until_others_are_opened() {
         let mut viewer = Viewer::new(crate::scenes::moebius().expect("a band"));
         let mut open = |names: &[&str]| {

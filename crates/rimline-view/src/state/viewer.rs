@@ -75,6 +75,8 @@ struct Opened {
     orbit: Orbit,
     origin: Origin,
     arranged: (Vec<Lamp>, Orbit),
+    /// The size of the picture then.
+    size: [u32; 2],
 }
 
 /// The state of the viewer.
@@ -240,6 +242,9 @@ impl Viewer {
         (self.bodies, self.lamps, self.orbit) = (opened.bodies, opened.lamps, opened.orbit);
         (self.origin, self.arranged) = (opened.origin, opened.arranged);
         self.is_built_in = false;
+        if opened.size != self.size {
+            self.resize(self.size);
+        }
         self.begin();
         true
     }
@@ -303,7 +308,8 @@ impl Viewer {
         let bodies = std::mem::replace(&mut self.bodies, bodies);
         if !self.is_built_in && !bodies.is_empty() {
             let (lamps, arranged) = (std::mem::take(&mut self.lamps), self.arranged.clone());
-            self.opened = Some(Opened { bodies, lamps, orbit: self.orbit, origin: self.origin, arranged });
+            let (orbit, origin, size) = (self.orbit, self.origin, self.size);
+            self.opened = Some(Opened { bodies, lamps, orbit, origin, arranged, size });
         }
         self.is_built_in = true;
         self.origin = Origin::ZERO;
