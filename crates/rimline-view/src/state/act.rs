@@ -122,9 +122,13 @@ impl Viewer {
 
     fn next_animation(&mut self) {
         let Some(index) = self.bodies.iter().position(|body| !body.animations().is_empty()) else { return };
-        let count = self.bodies[index].animations().len();
-        let next = self.bodies[index].animation.map_or(0, |animation| (animation + 1) % count);
-        self.play(index, Some(next));
+        let body = &self.bodies[index];
+        let (count, after) = (body.animations().len(), body.animation.map_or(0, |animation| animation + 1));
+        // Damaged ones are passed over.
+        let next = (after..after + count).map(|animation| animation % count).find(|&animation| body.plays(animation));
+        if next.is_some() {
+            self.play(index, next);
+        }
     }
 
     pub(super) fn lamp(&mut self) -> Option<&mut Lamp> {
@@ -161,7 +165,7 @@ mod tests {
     use crate::state::body::{Body, BodyError, Source};
     use crate::state::event::Event;
 
-    /// A triangle with two animations and five cameras.
+    /// A triangle with three animations, the second of which is damaged, and five cameras.
     struct Filmed(File);
 
     impl Source for Filmed {
@@ -169,12 +173,12 @@ mod tests {
             self.0.model()
         }
 
-        fn pose(&self, _: Option<usize>, seconds: f32) -> Result<rimline::Pose, BodyError> {
-            Ok(self.0.pose(&[], seconds)?)
+        fn pose(&self, animation: Option<usize>, seconds: f32) -> Result<rimline::Pose, BodyError> {
+            if animation == Some(1) { Err(BodyError::NoFaces) } else { Ok(self.0.pose(&[], seconds)?) }
         }
 
         fn animations(&self) -> Vec<(String, f32)> {
-            vec![("walk".to_owned(), 3.0), ("run".to_owned(), 1.0)]
+            [("walk", 3.0), ("damaged", 2.0), ("run", 1.0)].map(|(name, duration)| (name.to_owned(), duration)).into()
         }
 
         fn cameras(&self) -> Vec<SceneCamera> {
@@ -197,7 +201,7 @@ mod tests {
     #[test]
     fn an_animation_that_is_chosen_starts_at_its_beginning() {
         let choices: [fn(&mut Viewer); 2] =
-            [|viewer| viewer.play(0, Some(1)), |viewer| viewer.handle(Event::Acted(Action::NextAnimation))];
+            [|viewer| viewer.play(0, Some(2)), |viewer| viewer.handle(Event::Acted(Action::NextAnimation))];
         for choose in choices {
             let mut viewer = viewer();
             viewer.handle(Event::Passed(2.5));
@@ -206,6 +210,17 @@ mod tests {
             assert_eq!((viewer.clock.seconds, viewer.duration()), (0.0, 1.0));
             assert_ne!(viewer.generation(), before);
         }
+    }
+
+    #[test]
+    fn a_damaged_animation_leaves_the_one_that_plays() {
+        let mut viewer = viewer();
+        viewer.handle(Event::Passed(2.5));
+        let before = viewer.generation();
+        viewer.play(0, Some(1));
+        let is_told = viewer.message.as_ref().is_some_and(|message| message.tone == Tone::Error);
+        assert!(is_told && viewer.bodies[0].animation == Some(0) && viewer.clock.seconds == 2.5);
+        assert_eq!(viewer.generation(), before);
     }
 
     #[test]

@@ -246,6 +246,11 @@ impl Body {
         self.source.pose(self.animation, seconds)
     }
 
+    /// Whether an animation is not damaged at its start.
+    pub(super) fn plays(&self, animation: usize) -> bool {
+        self.source.pose(Some(animation), 0.0).is_ok()
+    }
+
     /// Names and durations of animations.
     pub fn animations(&self) -> &[(String, f32)] {
         &self.animations

@@ -255,11 +255,18 @@ impl Viewer {
         opened.or_else(|| self.bodies.iter().any(|body| body.file.is_some()).then_some(self.origin))
     }
 
-    /// Lets an animation of a model play, or none. The time of all models starts again, also if it plays already.
+    /// Lets an animation of a model play, or none. The time of all models starts again, also if it plays already. A damaged
+    /// animation changes nothing but the message.
     pub fn play(&mut self, index: usize, animation: Option<usize>) {
         let Some(body) = self.bodies.get_mut(index) else { return };
+        let before = std::mem::replace(&mut body.animation, animation);
+        if let Err(error) = body.pose(0.0) {
+            body.animation = before;
+            self.message = Some(Message::new(Tone::Error, format!("{}: {error}", body.name)));
+            return;
+        }
         self.clock.seconds = 0.0;
-        if std::mem::replace(&mut body.animation, animation) != animation {
+        if before != animation {
             self.change();
         }
     }
