@@ -325,7 +325,7 @@ impl Viewer {
     }
 
     /// Says what failed, beside what failed before: in lines, and the rest in details.
-    fn add_error(&mut self, error: &str) {
+    pub(crate) fn add_error(&mut self, error: &str) {
         const SHOWN: usize = 6;
         match &mut self.message {
             Some(Message { tone: Tone::Error, text, .. }) if text.lines().count() < SHOWN => {

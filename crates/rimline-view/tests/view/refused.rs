@@ -3,12 +3,17 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use glam::Vec3;
 use rimline_testkit::harness::Test;
-use rimline_view::{Action, Body, BodyError, Event, Gpu, Overlays, Panel, Renderer, Source, Viewer, scenes};
+use rimline_view::{
+    Action, Body, BodyError, Event, Gpu, LampKind, Overlays, Panel, Renderer, Source, Tone, Viewer, scenes,
+};
 
 use crate::support::{Outcome, block, finish, gpu, hold, picture, rest, say, viewer, window};
 
-pub(crate) const TESTS: [Test; 4] = [
+pub(crate) const TESTS: [Test; 6] = [
+    ("models that cannot be drawn are removed, and each is named", refused_models),
+    ("a light that is nowhere is told once, and the viewer goes on", light_that_is_nowhere),
     ("overlays that are refused are switched off, and the model and the picture stay", refused_overlays),
     ("an error of the device that nobody expects is told, and no panic", unexpected),
     ("a device that is lost changes nothing of the viewer", lost_device),
@@ -49,6 +54,36 @@ fn refused_overlays() -> Outcome {
     hold(renderer.draw(&viewer).is_err(), "overlays are drawn without a pose")?;
     let last = renderer.read().ok_or("the last picture is gone")?;
     hold(finish(&renderer, last)? == before, "a picture that fails takes the place of the last one")
+}
+
+fn refused_models() -> Outcome {
+    let flags = [0; 3].map(|_| Arc::new(AtomicBool::new(false)));
+    let body = |name, fails: &Arc<AtomicBool>| Body::new(name, None, Failing(block()?, Arc::clone(fails))).map_err(say);
+    let bodies = vec![body("first", &flags[0])?, body("second", &flags[1])?, body("third", &flags[2])?];
+    let (mut viewer, mut renderer) = (Viewer::new(bodies), Renderer::new(gpu()?).map_err(say)?);
+    viewer.handle(Event::Resized([120, 80]));
+    viewer.handle(Event::Opened(Err(("bad.glb".into(), "it is no glTF".into()))));
+    flags.iter().step_by(2).for_each(|fails| fails.store(true, Ordering::Relaxed));
+    hold(renderer.show(&mut viewer), "nothing is drawn")?;
+    let names: Vec<_> = viewer.bodies.iter().map(|body| body.name.as_str()).collect();
+    hold(names == ["second"], format!("{names:?} are left"))?;
+    let said = viewer.message.as_ref().map(|message| message.text.clone()).unwrap_or_default();
+    let told: Vec<_> = said.lines().filter_map(|line| Some(line.split_once(':')?.0)).collect();
+    hold(told == ["bad.glb", "first", "third"], said.clone())
+}
+
+fn light_that_is_nowhere() -> Outcome {
+    let (mut viewer, mut renderer) = viewer(scenes::moebius, [120, 80])?;
+    let before = picture(&viewer, &mut renderer)?;
+    let was = std::mem::replace(&mut viewer.lamps[0].kind, LampKind::Point(Vec3::NAN));
+    for _ in 0..2 {
+        hold(!renderer.show(&mut viewer), "a light that is nowhere was drawn")?;
+        let message = viewer.message.as_ref().ok_or("nothing is told")?;
+        hold(message.tone == Tone::Error && message.text.lines().count() == 1, message.text.clone())?;
+    }
+    viewer.lamps[0].kind = was;
+    hold(renderer.show(&mut viewer), "it is not drawn again")?;
+    hold(picture(&viewer, &mut renderer)? == before, "the picture is another one")
 }
 
 /// A device of the test's own.
