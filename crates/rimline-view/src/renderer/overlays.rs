@@ -57,7 +57,7 @@ impl Overlays {
     }
 
     pub(super) fn is_of(&self, viewer: &Viewer) -> bool {
-        self.generation == viewer.generation()
+        self.generation == viewer.generation() && self.bodies.len() == viewer.bodies.len()
     }
 
     /// Extracts from positions that were encoded before: for the first sample of each light that is on, then for the eye.

@@ -143,7 +143,7 @@ pub struct Body {
     pub name: String,
     /// The name that the command gives it: a file, or nothing for a model of the viewer's own.
     pub file: Option<String>,
-    /// The animation that plays.
+    /// The animation that plays. [`Viewer::play`](crate::Viewer::play) changes it, so that renderers notice.
     pub animation: Option<usize>,
     source: Box<dyn Source>,
     animations: Vec<(String, f32)>,

@@ -83,7 +83,8 @@ struct Opened {
 #[derive(Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "states that do not depend on each other")]
 pub struct Viewer {
-    /// Models that are shown.
+    /// Models that are shown. Renderers notice other ones by their number and by [`Self::generation`], which methods and
+    /// events change.
     pub bodies: Vec<Body>,
     /// Lights.
     pub lamps: Vec<Lamp>,

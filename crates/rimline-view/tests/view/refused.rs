@@ -11,13 +11,14 @@ use rimline_view::{
 
 use crate::support::{Outcome, block, finish, gpu, hold, picture, rest, say, viewer, window};
 
-pub(crate) const TESTS: [Test; 6] = [
+pub(crate) const TESTS: [Test; 7] = [
     ("models that cannot be drawn are removed, and each is named", refused_models),
     ("a light that is nowhere is told once, and the viewer goes on", light_that_is_nowhere),
     ("overlays that are refused are switched off, and the model and the picture stay", refused_overlays),
     ("an error of the device that nobody expects is told, and no panic", unexpected),
     ("a device that is lost changes nothing of the viewer", lost_device),
     ("a renderer takes viewers in turn", viewers_in_turn),
+    ("models that a caller adds or takes out are noticed", models_of_a_caller),
 ];
 
 /// A block whose next pose fails on request.
@@ -148,4 +149,16 @@ fn viewers_in_turn() -> Outcome {
     let (viewer_b, mut other) = viewer(scenes::still_life, [120, 80])?;
     let expected = picture(&viewer_b, &mut other)?;
     hold(picture(&viewer_b, &mut renderer)? == expected, "models of one viewer are shown for another")
+}
+
+fn models_of_a_caller() -> Outcome {
+    let (mut viewer, mut renderer) = viewer(scenes::moebius, [120, 80])?;
+    viewer.handle(Event::Acted(Action::Silhouettes));
+    let before = picture(&viewer, &mut renderer)?;
+    viewer.bodies.extend(scenes::still_life().map_err(say)?);
+    let more = picture(&viewer, &mut renderer)?;
+    let mut other = Renderer::new(gpu()?).map_err(say)?;
+    hold(more != before && more == picture(&viewer, &mut other)?, "models that were added are not drawn")?;
+    viewer.bodies.truncate(1);
+    hold(picture(&viewer, &mut renderer)? == before, "models that were taken out are still drawn")
 }
