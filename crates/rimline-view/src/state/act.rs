@@ -141,8 +141,12 @@ impl Viewer {
             self.message = Some(Message::new(Tone::Error, text));
             return;
         }
-        self.lamps.push(Lamp::around(&self.bounds(), self.lamps.len()));
-        self.selected = Some(self.lamps.len() - 1);
+        let (bounds, count) = (self.bounds(), self.lamps.len());
+        let mut others = (count..count + MAX_LAMPS).map(|number| Lamp::around(&bounds, number));
+        // Of two at one point the pointer takes hold of the first only.
+        let lamp = others.find(|lamp| self.lamps.iter().all(|other| other.kind != lamp.kind));
+        self.lamps.push(lamp.unwrap_or_else(|| Lamp::around(&bounds, count)));
+        self.selected = Some(count);
     }
 
     fn remove_lamp(&mut self) {
@@ -221,6 +225,20 @@ mod tests {
         let is_told = viewer.message.as_ref().is_some_and(|message| message.tone == Tone::Error);
         assert!(is_told && viewer.bodies[0].animation == Some(0) && viewer.clock.seconds == 2.5);
         assert_eq!(viewer.generation(), before);
+    }
+
+    #[test]
+    fn no_light_is_added_where_another_is() {
+        let mut viewer = viewer();
+        for removed in [0, 1, 7] {
+            (0..MAX_LAMPS).for_each(|_| viewer.handle(Event::Acted(Action::AddLight)));
+            assert_eq!((viewer.lamps.len(), viewer.selected), (MAX_LAMPS, Some(MAX_LAMPS - 1)));
+            for (number, lamp) in viewer.lamps.iter().enumerate() {
+                assert!(viewer.lamps.iter().skip(number + 1).all(|other| other.kind != lamp.kind), "{number}");
+            }
+            viewer.selected = Some(removed);
+            viewer.handle(Event::Acted(Action::RemoveLight));
+        }
     }
 
     #[test]

@@ -5,6 +5,8 @@ use rimline::gltf::{SceneLight, SpotCone};
 use rimline::{AreaLight, AreaShape, Cone, Light};
 use rimline_picture::Bounds;
 
+use super::viewer::MAX_LAMPS;
+
 /// Whether a light is at a point or at infinity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LampKind {
@@ -47,18 +49,20 @@ const COLORS: [[f32; 3]; 6] = [
     [0.75, 0.72, 1.0],
 ];
 
-/// Directions in which the first lights are, from the middle of the models: +X is right, +Y up, +Z towards the front.
-const DIRECTIONS: [Vec3; 6] = [
+/// Directions of as many lights as there may be, from the middle of the models: +X is right, +Y up, +Z towards the front.
+const DIRECTIONS: [Vec3; MAX_LAMPS] = [
     Vec3::new(-0.62, 1.25, 0.95),
     Vec3::new(1.25, 0.85, 0.35),
     Vec3::new(0.25, 1.0, -1.15),
     Vec3::new(-1.2, 0.7, -0.3),
     Vec3::new(0.9, 1.3, 0.9),
     Vec3::new(-0.2, 1.6, 0.1),
+    Vec3::new(1.0, 0.9, -0.9),
+    Vec3::new(-0.8, 1.1, -0.9),
 ];
 
 impl Lamp {
-    /// The light with this number around models in `bounds`.
+    /// The light with this number around models in `bounds`. Those of eight numbers in a row are apart.
     pub fn around(bounds: &Bounds, number: usize) -> Self {
         let direction = DIRECTIONS[number % DIRECTIONS.len()].normalize();
         Self {
