@@ -184,12 +184,17 @@ impl Lamp {
         }
     }
 
-    /// Makes a light at a point one at infinity in the same direction from the models, and the other way round.
+    /// Makes a light at a point one at infinity in the same direction from the models, and the other way round. Its sphere
+    /// looks as large from the middle of the models, up to a radius of 1 at infinity.
     pub fn change_kind(&mut self, bounds: &Bounds) {
         let handle = self.handle(bounds);
-        self.kind = match self.kind {
-            LampKind::Sun(_) => LampKind::Point(handle),
-            LampKind::Point(at) => LampKind::Sun((at - bounds.centre()).normalize_or(Vec3::Y)),
+        let distance = handle.distance(bounds.centre());
+        (self.kind, self.radius) = match self.kind {
+            LampKind::Sun(_) => (LampKind::Point(handle), self.radius.map(|radius| radius * distance)),
+            LampKind::Point(at) => {
+                let towards = (at - bounds.centre()).normalize_or(Vec3::Y);
+                (LampKind::Sun(towards), self.radius.map(|radius| (radius / distance).min(1.0)))
+            }
         };
     }
 }
@@ -204,6 +209,19 @@ mod tests {
     use rimline::gltf::SceneLightKind;
 
     use super::*;
+
+    #[test]
+    fn a_light_that_changes_its_kind_looks_as_large() {
+        let bounds = Bounds { min: Vec3::splat(-50.0), max: Vec3::splat(50.0) };
+        for (at, radius, of_sun) in [(512.0, 16.0, 0.03125), (8.0, 50.0, 1.0), (0.0, 50.0, 1.0)] {
+            let kind = LampKind::Point(Vec3::new(0.0, at, 0.0));
+            let mut lamp = Lamp { kind, radius: Some(radius), ..Lamp::around(&bounds, 0) };
+            lamp.change_kind(&bounds);
+            assert_eq!((lamp.kind, lamp.radius), (LampKind::Sun(Vec3::Y), Some(of_sun)));
+            lamp.change_kind(&bounds);
+            assert_eq!((lamp.kind, lamp.radius), (LampKind::Point(100.0 * Vec3::Y), Some(100.0 * of_sun)));
+        }
+    }
 
     #[test]
     fn lights_of_a_file_are_as_bright_as_their_shares() {
