@@ -19,7 +19,8 @@ pub struct Counters {
     pub scene: Option<SceneStatistics>,
     /// The same of shadow volumes.
     pub shadow: Option<ShadowStatistics>,
-    /// Names and times of the stages in milliseconds, or why there are none. `None`: they are not measured.
+    /// Names and times of the stages in milliseconds, or why there are none. `None`: they are not measured, or
+    /// have yet to arrive.
     pub stages: Option<Result<StageTimes, String>>,
     /// Bytes of textures and models that the viewer made.
     pub bytes: u64,

@@ -94,7 +94,7 @@ impl Renderer {
     }
 
     /// Whether the picture is not of this state: something changed since it was drawn, or since [`Self::show`] failed to
-    /// draw it.
+    /// draw it. With a NaN in the state it always is.
     pub fn is_stale(&self, viewer: &Viewer) -> bool {
         self.drawn.as_ref() != Some(&Drawn::of(viewer))
     }

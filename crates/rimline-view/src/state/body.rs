@@ -54,12 +54,12 @@ pub trait Source: Send {
         Vec::new()
     }
 
-    /// Lights of the file, at rest.
+    /// Lights of the file, at rest, without damaged ones.
     fn lights(&self) -> Vec<SceneLight> {
         Vec::new()
     }
 
-    /// Cameras of the file, at rest.
+    /// Cameras of the file, at rest, without damaged ones.
     fn cameras(&self) -> Vec<SceneCamera> {
         Vec::new()
     }
@@ -256,7 +256,7 @@ impl Body {
         &self.animations
     }
 
-    /// The duration of the animation that plays, in seconds. 0: none does.
+    /// The duration of the animation that plays, in seconds. 0: none does, or it has one key.
     pub fn duration(&self) -> f32 {
         self.animation.and_then(|index| self.animations.get(index)).map_or(0.0, |(_, duration)| *duration)
     }
@@ -276,12 +276,13 @@ impl Body {
         self.source.colors(geometry)
     }
 
-    /// Facts about the mesh at the start of the animation.
+    /// Facts about the mesh as it was opened: at the start of the first animation that is not damaged.
     pub fn report(&self) -> Report {
         self.report
     }
 
-    /// The box of the model at the start of the animation.
+    /// The box of the model as it was opened: at the start of the first animation that is not damaged. It does not follow the
+    /// animation that plays.
     pub fn bounds(&self) -> Bounds {
         self.bounds
     }

@@ -129,7 +129,7 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// The pixel that shows a point, from the upper left corner of the picture. `None` if it is not before the eye.
+    /// The pixel that shows a point, from the upper left corner of the picture. `None` if it is not beyond the near plane.
     pub fn project(&self, point: Vec3) -> Option<Vec2> {
         let view = &self.view;
         let from_eye = point - view.eye;

@@ -27,7 +27,8 @@ pub struct Lamp {
     pub intensity: f32,
     /// The distance at which a light at a point ends. `None`: it does not.
     pub range: Option<f32>,
-    /// The direction in which a spot shines, of length 1, and the angle from there to where it has faded, in radians.
+    /// The direction in which a spot shines, of length 1, and the angle from there to where it has faded, in radians. A light
+    /// at infinity ignores it.
     pub cone: Option<(Vec3, f32)>,
     /// The radius of the sphere that it shines from. A light at infinity has its sphere at distance 1. `None`: it shines
     /// from one point.
@@ -76,7 +77,7 @@ impl Lamp {
         }
     }
 
-    /// The lights of a file around models in `bounds`. The brightest counts as 1.
+    /// The lights of a file around models in `bounds`. The brightest there counts as 1, and each does if all are dark.
     pub(super) fn all_of_file(lights: &[SceneLight], bounds: &Bounds) -> Vec<Self> {
         let illuminance = |light: &SceneLight| {
             if light.light.w == 0.0 {

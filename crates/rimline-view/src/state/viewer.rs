@@ -108,7 +108,7 @@ pub struct Viewer {
     pub origin: Origin,
     /// How files are read from now on, which [`Self::command`] repeats.
     pub read: ReadOptions,
-    /// How near to a handle the pointer drags it, in pixels.
+    /// How near to a handle the pointer drags it, in pixels. Each [`Panel::run`](crate::Panel::run) sets it.
     pub handle_radius: f32,
     /// Requests to the shell, which takes them out.
     pub requests: Vec<Request>,
@@ -171,7 +171,7 @@ impl Viewer {
         self.generation
     }
 
-    /// The box of all models.
+    /// The box of all models as they were opened. Without any: a cube of size 1.
     pub fn bounds(&self) -> Bounds {
         let none = Bounds { min: Vec3::splat(-0.5), max: Vec3::splat(0.5) };
         self.bodies.iter().map(Body::bounds).reduce(Bounds::with).unwrap_or(none)
@@ -204,8 +204,8 @@ impl Viewer {
         self.bodies.iter().map(Body::duration).fold(0.0, f32::max)
     }
 
-    /// The points that shine, each with the number of its light among those that are on. Only shadows that each take away the light
-    /// of a point of an area add up to a soft one; other ways to draw shadows take the middle.
+    /// The points that shine, each with the number of its light among those that are on. Only shadows that each take away the
+    /// light of a point of an area add up to a soft one; other ways to draw shadows take the middle.
     pub fn sources(&self) -> Vec<(usize, Lamp)> {
         let has_areas = self.options.shadows && self.options.mode == Mode::Additive;
         let lamps = self.lamps.iter().filter(|lamp| lamp.is_on).enumerate();
@@ -223,7 +223,7 @@ impl Viewer {
         self.drag.is_some()
     }
 
-    /// Takes a model out.
+    /// Takes a model out, and the message. Camera and lights stay.
     pub fn remove_body(&mut self, index: usize) {
         if index < self.bodies.len() {
             self.bodies.remove(index);
