@@ -154,7 +154,7 @@ impl Renderer {
             };
             // Files that failed to open, and models that are gone, stay named.
             let stays = has_failed || matches!(error, RenderError::Body { .. });
-            let told = viewer.message.take().filter(|message| stays && message.tone == Tone::Error);
+            let earlier = viewer.message.take().filter(|message| stays && message.tone == Tone::Error);
             has_failed = true;
             let can_go_on = match &error {
                 RenderError::Body { index, .. } => {
@@ -171,7 +171,7 @@ impl Renderer {
                     false
                 }
             };
-            viewer.message = told;
+            viewer.message = earlier;
             viewer.add_error(&error.to_string());
             if !can_go_on {
                 return false;

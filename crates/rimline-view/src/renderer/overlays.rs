@@ -27,7 +27,7 @@ struct Extracted {
     mesh: Mesh,
     non_manifold: wgpu::Buffer,
     exact: wgpu::Buffer,
-    /// Those of the pose in which they were switched on. `None` while they are off.
+    /// Made for the pose in which they were switched on. `None` while they are off.
     clusters: Option<wgpu::Buffer>,
 }
 

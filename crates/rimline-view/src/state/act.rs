@@ -143,7 +143,7 @@ impl Viewer {
         }
         let (bounds, count) = (self.bounds(), self.lamps.len());
         let mut others = (count..count + MAX_LAMPS).map(|number| Lamp::around(&bounds, number));
-        // Of two at one point the pointer takes hold of the first only.
+        // The pointer takes hold of only the first of two at one point.
         let lamp = others.find(|lamp| self.lamps.iter().all(|other| other.kind != lamp.kind));
         self.lamps.push(lamp.unwrap_or_else(|| Lamp::around(&bounds, count)));
         self.selected = Some(count);
@@ -222,8 +222,8 @@ mod tests {
         viewer.handle(Event::Passed(2.5));
         let before = viewer.generation();
         viewer.play(0, Some(1));
-        let is_told = viewer.message.as_ref().is_some_and(|message| message.tone == Tone::Error);
-        assert!(is_told && viewer.bodies[0].animation == Some(0) && viewer.clock.seconds == 2.5);
+        let is_error = viewer.message.as_ref().is_some_and(|message| message.tone == Tone::Error);
+        assert!(is_error && viewer.bodies[0].animation == Some(0) && viewer.clock.seconds == 2.5);
         assert_eq!(viewer.generation(), before);
     }
 

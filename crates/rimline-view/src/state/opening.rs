@@ -5,7 +5,7 @@ use rimline_files::{File, FileError, settle};
 
 use super::body::{Body, BodyError};
 use super::event::Event;
-use super::viewer::Viewer;
+use super::viewer::{MAX_LAMPS, Viewer};
 
 impl Viewer {
     /// Shows a file that was read, beside those that are shown already and relative to their origin, or says why it
@@ -24,6 +24,18 @@ impl Viewer {
                 self.handle(Event::Opened(Err((name.to_owned(), why))));
                 Some(said)
             }
+        }
+    }
+
+    /// Says which lights of a model that is to be added are left out, if some are.
+    pub(super) fn lights_left_out(&self, body: &Body) -> Option<String> {
+        let (name, count, is_first) = (&body.name, body.lights().len(), self.bodies.is_empty());
+        if is_first && count > MAX_LAMPS {
+            Some(format!("{name}: only the first {MAX_LAMPS} of its {count} lights are shown"))
+        } else if !is_first && count > 0 {
+            Some(format!("{name}: its lights ({count}) are left out, since only those of the first model are shown"))
+        } else {
+            None
         }
     }
 }
@@ -106,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn lights_that_are_left_out_are_told() {
+    fn lights_that_are_left_out_are_named() {
         let mut viewer = Viewer::new(crate::scenes::moebius().expect("a band"));
         let mut open = |name: &str, lights: usize| {
             let content = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";

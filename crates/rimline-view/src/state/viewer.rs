@@ -373,18 +373,6 @@ impl Viewer {
         }
     }
 
-    /// Says which lights of a model that is to be added are left out, if some are.
-    fn lights_left_out(&self, body: &Body) -> Option<String> {
-        let (name, count, is_first) = (&body.name, body.lights().len(), self.bodies.is_empty());
-        if is_first && count > MAX_LAMPS {
-            Some(format!("{name}: only the first {MAX_LAMPS} of its {count} lights are shown"))
-        } else if !is_first && count > 0 {
-            Some(format!("{name}: its lights ({count}) are left out, since only those of the first model are shown"))
-        } else {
-            None
-        }
-    }
-
     /// Other models are shown: what belongs to those before ends.
     fn begin(&mut self) {
         self.change();

@@ -69,8 +69,8 @@ fn refused_models() -> Outcome {
     let names: Vec<_> = viewer.bodies.iter().map(|body| body.name.as_str()).collect();
     hold(names == ["second"], format!("{names:?} are left"))?;
     let said = viewer.message.as_ref().map(|message| message.text.clone()).unwrap_or_default();
-    let told: Vec<_> = said.lines().filter_map(|line| Some(line.split_once(':')?.0)).collect();
-    hold(told == ["bad.glb", "first", "third"], said.clone())
+    let named: Vec<_> = said.lines().filter_map(|line| Some(line.split_once(':')?.0)).collect();
+    hold(named == ["bad.glb", "first", "third"], said.clone())
 }
 
 fn light_that_is_nowhere() -> Outcome {
