@@ -12,7 +12,7 @@ use rimline_files::{File, FileError};
 use rimline_picture::Bounds;
 
 /// The largest coordinate of models, so that cameras are finite a thousand sizes away.
-const FARTHEST: f32 = 1e30;
+const FARTHEST: f32 = 1e34;
 
 /// Why a model cannot be shown.
 #[derive(Debug, thiserror::Error)]
@@ -31,7 +31,7 @@ pub enum BodyError {
     #[error("it has no faces with finite corners")]
     NoFaces,
     /// Cameras and lights around it would not be finite.
-    #[error("it has corners beyond 1e30, which is too far to be shown; scale it down")]
+    #[error("it has corners beyond 1e34, which is too far to be shown; scale it down")]
     TooFar,
     /// The file cannot be read.
     #[error(transparent)]
