@@ -86,7 +86,7 @@ pub struct Viewer {
     /// Models that are shown. Renderers notice other ones by their number and by [`Self::generation`], which methods and
     /// events change.
     pub bodies: Vec<Body>,
-    /// Lights.
+    /// Lights, at most eight: files and keys make no more.
     pub lamps: Vec<Lamp>,
     /// Where the eye is.
     pub orbit: Orbit,
@@ -365,7 +365,7 @@ impl Viewer {
         if keeps_orbit {
             self.orbit = orbit;
         }
-        // The selected light is one of those that stay.
+        // After the lights: it selects the first of those that there are now.
         self.begin();
         self.message = Some(failed.unwrap_or_else(|| Message::new(Tone::Note, text)));
         if let Some(error) = left_out {
