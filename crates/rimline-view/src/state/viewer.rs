@@ -129,7 +129,8 @@ pub struct Viewer {
 }
 
 impl Viewer {
-    /// Shows these models, with the lights of the first one, at most eight, or with three around them.
+    /// Shows these models, with the lights of the first one, at most eight, or with three around them. They count as a built-in
+    /// scene: the first file that is opened replaces them.
     pub fn new(bodies: Vec<Body>) -> Self {
         let orbit = Orbit { target: Vec3::ZERO, azimuth: 0.0, elevation: 0.0, distance: 1.0, fov: 35.0 };
         let mut viewer = Self {
