@@ -1,9 +1,10 @@
 //! The viewer of Rimline: models with exact shadows of lights that are dragged on the picture.
 //!
-//! [`Viewer`] is the state, plain data that [`Event`]s change. [`Renderer`] draws it into a texture of its own, and [`Panel`] is the
-//! user interface around that texture, by egui. None of them knows windows, files, threads or clocks, so all of it runs in tests
-//! without a display, and in a browser. `desktop` (a feature, on by default) is the window: `rimline view` runs it. `web` is the
-//! page, on wasm32: `cargo xtask web` builds it. Overlays show silhouettes, volumes, caps, edges, clusters, receivers and boxes.
+//! [`Viewer`] is the state, plain data that [`Event`]s change. [`Renderer`] draws it into a texture of its own, and [`Panel`]
+//! is the user interface around that texture, by egui. None of them knows windows, files, threads or clocks, so all of it runs
+//! in tests without a display, and in a browser. `desktop` (a feature, on by default) is the window: `rimline view` runs it.
+//! `web` is the page, on wasm32: `cargo xtask web` builds it. Overlays show silhouettes, volumes, caps, edges, clusters,
+//! receivers and boxes.
 //!
 //! ```no_run
 //! use rimline_view::{Event, Gpu, Renderer, Viewer};

@@ -106,6 +106,9 @@ impl Panel {
                 egui::Panel::bottom("time").frame(style::strip()).show(ui, |ui| time::show(ui, viewer));
             }
             egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| picture::show(ui, viewer));
+            if !viewer.shows_panel {
+                error(ui.ctx(), viewer);
+            }
             help::show(ui.ctx(), viewer);
         });
         let is_drawn = renderer.show(viewer);
@@ -290,6 +293,24 @@ fn title(ui: &mut egui::Ui, viewer: &mut Viewer) {
             }
         });
     });
+    message(ui, viewer);
+}
+
+/// Shows an error over the picture, where there is no panel for it.
+fn error(context: &egui::Context, viewer: &mut Viewer) {
+    if viewer.message.as_ref().is_none_or(|message| message.tone != Tone::Error) {
+        return;
+    }
+    let area = egui::Area::new(egui::Id::unique("error")).fixed_pos(egui::pos2(8.0, 8.0));
+    area.show(context, |ui| {
+        style::panel().show(ui, |ui| {
+            ui.set_max_width(300.0);
+            message(ui, viewer);
+        });
+    });
+}
+
+fn message(ui: &mut egui::Ui, viewer: &mut Viewer) {
     if let Some(Message { tone, text, details }) = viewer.message.clone() {
         let color = if tone == Tone::Error { style::ERROR } else { style::DIM };
         ui.horizontal_wrapped(|ui| {

@@ -40,7 +40,7 @@ pub(super) struct Canvas {
     pub(super) picture: wgpu::TextureView,
 }
 
-/// The format of pictures: egui takes textures that shaders encoded as sRGB.
+/// The format of pictures: encoded as sRGB by shaders, since the panel's targets are not sRGB.
 pub(super) fn format(samples: u32) -> PictureFormat {
     PictureFormat { samples, in_parts: false, is_encoded: true }
 }

@@ -19,7 +19,8 @@ pub struct Counters {
     pub scene: Option<SceneStatistics>,
     /// The same of shadow volumes.
     pub shadow: Option<ShadowStatistics>,
-    /// Names and times of the stages in milliseconds, or why there are none. `None`: they are not measured.
+    /// Names and times of the stages in milliseconds, or why there are none. `None`: they are not measured, or
+    /// have yet to arrive.
     pub stages: Option<Result<StageTimes, String>>,
     /// Bytes of textures and models that the viewer made.
     pub bytes: u64,
@@ -34,6 +35,8 @@ pub(super) struct Readings {
     scene: Option<Pending<Vec<u32>>>,
     shadow: Option<Pending<Vec<u32>>>,
     stages: Option<Pending<StageTimes>>,
+    /// Whether the last frame was timed.
+    is_timed: bool,
 }
 
 impl Readings {
@@ -49,6 +52,7 @@ impl Readings {
             self.scene = Some(read(frame.statistics()));
             self.shadow = frame.shadow_statistics().map(read);
         }
+        self.is_timed = timer.is_some();
         if let Some(timer) = timer.filter(|_| self.stages.is_none()) {
             self.stages = Some(Box::pin(timer.read_async(&gpu.device, &gpu.queue)));
         }
@@ -69,7 +73,8 @@ impl Readings {
         if let Some(Ok(words)) = shadow {
             counters.shadow = first(&words);
         }
-        if let Some(times) = stages {
+        // Times may arrive after they were switched off.
+        if let Some(times) = stages.filter(|_| self.is_timed) {
             counters.stages = Some(times.map_err(|error| error.to_string()));
         }
         has_arrived

@@ -20,7 +20,7 @@ pub(super) struct Drawing<'a> {
     pub(super) overlays: Option<&'a Overlays>,
     pub(super) shown: ShownOverlays,
     pub(super) has_ground: bool,
-    /// For each light the first point of its that shines, and its own number.
+    /// For each light that is on the number of its first point that shines, among those of all, and its own.
     pub(super) firsts: Vec<[usize; 2]>,
 }
 

@@ -9,6 +9,7 @@ use crate::state::viewer::Viewer;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Drawn {
     generation: u64,
+    bodies: usize,
     size: [u32; 2],
     orbit: Orbit,
     lamps: Vec<Lamp>,
@@ -20,6 +21,7 @@ impl Drawn {
     pub(super) fn of(viewer: &Viewer) -> Self {
         Self {
             generation: viewer.generation(),
+            bodies: viewer.bodies.len(),
             size: viewer.size(),
             orbit: viewer.orbit,
             lamps: viewer.lamps.clone(),

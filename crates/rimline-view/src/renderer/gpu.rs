@@ -67,7 +67,8 @@ impl Gpu {
         Ok(gpu)
     }
 
-    /// Takes a device that is there. Its owner hears of its errors and of its loss.
+    /// Takes a device that is there. Its owner hears of its errors and of its loss: [`Self::check`] and
+    /// [`Self::is_lost`] do not tell them.
     pub fn of(device: wgpu::Device, queue: wgpu::Queue, name: String, is_software: bool) -> Self {
         let pipelines = Pipelines::new(&device);
         Self { device, queue, name, is_software, pipelines, is_lost: Arc::default(), refusal: Arc::default() }

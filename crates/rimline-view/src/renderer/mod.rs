@@ -25,7 +25,7 @@ pub use error::RenderError;
 pub use gpu::Gpu;
 pub use picture::Picture;
 
-use crate::state::viewer::{MAX_SOURCES, Message, Tone, Viewer};
+use crate::state::viewer::{MAX_SOURCES, Tone, Viewer};
 use canvas::{Canvas, Quality};
 use counters::Readings;
 use drawing::Drawing;
@@ -94,7 +94,7 @@ impl Renderer {
     }
 
     /// Whether the picture is not of this state: something changed since it was drawn, or since [`Self::show`] failed to
-    /// draw it.
+    /// draw it. With a NaN in the state it always is.
     pub fn is_stale(&self, viewer: &Viewer) -> bool {
         self.drawn.as_ref() != Some(&Drawn::of(viewer))
     }
@@ -141,28 +141,40 @@ impl Renderer {
     }
 
     /// Draws like [`Self::draw`]. A model that fails is removed from the viewer, overlays that fail are switched off, and the
-    /// viewer's message becomes the last failure. A lost device changes nothing of the viewer. Returns whether there is a new
-    /// picture.
+    /// viewer's message tells these failures; those of models stand beside errors that it told before. A lost device changes
+    /// nothing of the viewer. Returns whether there is a new picture.
     pub fn show(&mut self, viewer: &mut Viewer) -> bool {
+        let mut has_failed = false;
         loop {
-            match self.draw(viewer) {
+            let error = match self.draw(viewer) {
                 Ok(is_drawn) => return is_drawn,
                 // Another device may have no such error.
                 Err(_) if self.gpu.is_lost() => return false,
-                Err(error) => {
-                    match &error {
-                        RenderError::Body { index, .. } => viewer.remove_body(*index),
-                        RenderError::Overlays { .. } => {
-                            viewer.options.overlays = viewer.options.overlays.without_edges();
-                        }
-                        // The same state would fail again, so it does not count as stale.
-                        _ => self.drawn = Some(Drawn::of(viewer)),
-                    }
-                    viewer.message = Some(Message::new(Tone::Error, error.to_string()));
-                    if !self.is_stale(viewer) {
-                        return false;
-                    }
+                Err(error) => error,
+            };
+            // Files that failed to open, and models that are gone, stay named.
+            let stays = has_failed || matches!(error, RenderError::Body { .. });
+            let earlier = viewer.message.take().filter(|message| stays && message.tone == Tone::Error);
+            has_failed = true;
+            let can_go_on = match &error {
+                RenderError::Body { index, .. } => {
+                    viewer.remove_body(*index);
+                    true
                 }
+                RenderError::Overlays { .. } => {
+                    viewer.options.overlays = viewer.options.overlays.without_edges();
+                    true
+                }
+                // The same state would fail again, so it does not count as stale. With a NaN it is never like itself.
+                _ => {
+                    self.drawn = Some(Drawn::of(viewer));
+                    false
+                }
+            };
+            viewer.message = earlier;
+            viewer.add_error(&error.to_string());
+            if !can_go_on {
+                return false;
             }
         }
     }

@@ -19,6 +19,8 @@ use crate::state::viewer::Viewer;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Made {
     generation: u64,
+    /// The number of models, which callers may change beside the generation.
+    bodies: usize,
     counting: Counting,
     skipping: Skipping,
     /// Batches of 32 points that shine.
@@ -29,7 +31,8 @@ impl Made {
     pub(super) fn of(viewer: &Viewer) -> Self {
         let options = &viewer.options;
         let batches = viewer.sources().len().div_ceil(32).max(1);
-        Self { generation: viewer.generation(), counting: options.counting, skipping: options.skipping, batches }
+        let (generation, bodies) = (viewer.generation(), viewer.bodies.len());
+        Self { generation, bodies, counting: options.counting, skipping: options.skipping, batches }
     }
 }
 
@@ -125,7 +128,7 @@ impl Models {
         Ok(Placed { handle, faces, normals, colors, state, bytes })
     }
 
-    /// Takes the poses and the lights of now.
+    /// Takes the poses and the lights of now. The models are those that it was made for.
     pub(super) fn set(
         &mut self,
         (resources, normals): (&Resources, &NormalPipeline),

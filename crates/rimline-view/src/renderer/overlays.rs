@@ -27,7 +27,7 @@ struct Extracted {
     mesh: Mesh,
     non_manifold: wgpu::Buffer,
     exact: wgpu::Buffer,
-    /// Made when they are first shown.
+    /// Made for the pose in which they were switched on. `None` while they are off.
     clusters: Option<wgpu::Buffer>,
 }
 
@@ -57,7 +57,7 @@ impl Overlays {
     }
 
     pub(super) fn is_of(&self, viewer: &Viewer) -> bool {
-        self.generation == viewer.generation()
+        self.generation == viewer.generation() && self.bodies.len() == viewer.bodies.len()
     }
 
     /// Extracts from positions that were encoded before: for the first sample of each light that is on, then for the eye.
@@ -154,6 +154,9 @@ impl Extracted {
     /// Finds the edges of faces that `lights` leave to exact arithmetic, and those between clusters, where they are shown.
     fn mark(&mut self, gpu: &Gpu, viewer: &Viewer, body: &Body, lights: &[Light]) -> Result<(), RenderError> {
         let shown = viewer.options.overlays;
+        if !shown.clusters {
+            self.clusters = None;
+        }
         let needs_clusters = shown.clusters && self.clusters.is_none();
         if !shown.exact && !needs_clusters {
             return Ok(());

@@ -12,9 +12,10 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// The pixel at a position, from the upper left corner.
+    /// The pixel at a position, from the upper left corner. Outside of the picture all is 0.
     pub fn at(&self, [x, y]: [u32; 2]) -> [u8; 4] {
-        self.pixels.get((y * self.size[0] + x) as usize).copied().unwrap_or_default()
+        let row = self.pixels.chunks(self.size[0].max(1) as usize).nth(y as usize);
+        row.and_then(|row| row.get(x as usize)).copied().unwrap_or_default()
     }
 
     /// The picture as a PNG.
@@ -68,5 +69,20 @@ impl Copy {
         let rows = words.chunks(self.row as usize / 4);
         let pixels = rows.flat_map(|row| row.iter().take(self.size[0] as usize).map(|word| word.to_le_bytes()));
         Picture { size: self.size, pixels: pixels.collect() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Picture;
+
+    #[test]
+    fn no_pixel_is_outside() {
+        let picture = Picture { size: [2, 2], pixels: vec![[1; 4], [2; 4], [3; 4], [4; 4]] };
+        let pixels = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|at| picture.at(at)[0]);
+        assert_eq!(pixels, [1, 2, 3, 4]);
+        for at in [[2, 0], [0, 2], [u32::MAX; 2]] {
+            assert_eq!(picture.at(at), [0; 4], "{at:?}");
+        }
     }
 }

@@ -3,6 +3,7 @@
 use glam::Vec3;
 use rimline_picture::Mode;
 
+use super::camera::Orbit;
 use super::keys::Action;
 use super::lamp::Lamp;
 use super::options::{COUNTINGS, SWITCHES};
@@ -105,9 +106,12 @@ impl Viewer {
 
     fn next_camera(&mut self) {
         let cameras = self.cameras();
-        let current = cameras.iter().position(|(_, orbit)| *orbit == self.orbit);
-        let next = current.map_or(0, |current| (current + 1) % cameras.len());
-        match cameras.get(next) {
+        let first = |orbit: &Orbit| cameras.iter().position(|(_, other)| other == orbit);
+        let after = first(&self.orbit).map_or(0, |current| current + 1);
+        let mut others = (after..after + cameras.len()).map(|index| index % cameras.len());
+        // One with the view of an earlier one would be taken for that, and those after it not be reached.
+        let next = others.find(|&index| first(&cameras[index].1) == Some(index));
+        match next.map(|index| &cameras[index]) {
             Some((name, orbit)) => {
                 self.orbit = *orbit;
                 self.message = Some(Message::new(Tone::Note, format!("camera {name}")));
@@ -118,10 +122,13 @@ impl Viewer {
 
     fn next_animation(&mut self) {
         let Some(index) = self.bodies.iter().position(|body| !body.animations().is_empty()) else { return };
-        let count = self.bodies[index].animations().len();
-        let next = self.bodies[index].animation.map_or(0, |animation| (animation + 1) % count);
-        self.play(index, Some(next));
-        self.clock.seconds = 0.0;
+        let body = &self.bodies[index];
+        let (count, after) = (body.animations().len(), body.animation.map_or(0, |animation| animation + 1));
+        // Damaged ones are passed over.
+        let next = (after..after + count).map(|animation| animation % count).find(|&animation| body.plays(animation));
+        if next.is_some() {
+            self.play(index, next);
+        }
     }
 
     pub(super) fn lamp(&mut self) -> Option<&mut Lamp> {
@@ -134,8 +141,12 @@ impl Viewer {
             self.message = Some(Message::new(Tone::Error, text));
             return;
         }
-        self.lamps.push(Lamp::around(&self.bounds(), self.lamps.len()));
-        self.selected = Some(self.lamps.len() - 1);
+        let (bounds, count) = (self.bounds(), self.lamps.len());
+        let mut others = (count..count + MAX_LAMPS).map(|number| Lamp::around(&bounds, number));
+        // The pointer takes hold of only the first of two at one point.
+        let lamp = others.find(|lamp| self.lamps.iter().all(|other| other.kind != lamp.kind));
+        self.lamps.push(lamp.unwrap_or_else(|| Lamp::around(&bounds, count)));
+        self.selected = Some(count);
     }
 
     fn remove_lamp(&mut self) {
@@ -144,5 +155,100 @@ impl Viewer {
         // Numbers of the others change, so nothing may go on with the old ones.
         (self.hovered, self.drag) = (None, None);
         self.selected = self.lamps.len().checked_sub(1).map(|last| number.min(last));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use rimline::gltf::{CameraProjection, SceneCamera};
+    use rimline_files::{File, ReadOptions, read_bytes};
+
+    use super::*;
+    use crate::state::body::{Body, BodyError, Source};
+    use crate::state::event::Event;
+
+    /// A triangle with three animations, the second of which is damaged, and five cameras.
+    struct Filmed(File);
+
+    impl Source for Filmed {
+        fn model(&self) -> &rimline::Model {
+            self.0.model()
+        }
+
+        fn pose(&self, animation: Option<usize>, seconds: f32) -> Result<rimline::Pose, BodyError> {
+            if animation == Some(1) { Err(BodyError::NoFaces) } else { Ok(self.0.pose(&[], seconds)?) }
+        }
+
+        fn animations(&self) -> Vec<(String, f32)> {
+            [("walk", 3.0), ("damaged", 2.0), ("run", 1.0)].map(|(name, duration)| (name.to_owned(), duration)).into()
+        }
+
+        fn cameras(&self) -> Vec<SceneCamera> {
+            let projection = CameraProjection::Perspective { yfov: 0.5, aspect_ratio: None, znear: 0.1, zfar: None };
+            let forward = Vec3::new(-1.0, 0.0, -1.0).normalize().into();
+            let of = |(name, x): (&str, f32)| {
+                let (name, eye, up) = (Some(name.to_owned()), [x, 0.0, x], Vec3::Y.into());
+                SceneCamera { name, eye, forward, up, projection }
+            };
+            [("a", 2.0), ("b", 3.0), ("a again", 2.0), ("c", 4.0), ("too far", 3e38)].map(of).into()
+        }
+    }
+
+    fn viewer() -> Viewer {
+        let triangle = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+        let file = read_bytes(triangle, Some(Path::new("a.obj")), &ReadOptions::default()).expect("a triangle");
+        Viewer::new(vec![Body::new("a.glb", None, Filmed(file)).expect("a triangle")])
+    }
+
+    #[test]
+    fn an_animation_that_is_chosen_starts_at_its_beginning() {
+        let choices: [fn(&mut Viewer); 2] =
+            [|viewer| viewer.play(0, Some(2)), |viewer| viewer.handle(Event::Acted(Action::NextAnimation))];
+        for choose in choices {
+            let mut viewer = viewer();
+            viewer.handle(Event::Passed(2.5));
+            let before = viewer.generation();
+            choose(&mut viewer);
+            assert_eq!((viewer.clock.seconds, viewer.duration()), (0.0, 1.0));
+            assert_ne!(viewer.generation(), before);
+        }
+    }
+
+    #[test]
+    fn a_damaged_animation_leaves_the_one_that_plays() {
+        let mut viewer = viewer();
+        viewer.handle(Event::Passed(2.5));
+        let before = viewer.generation();
+        viewer.play(0, Some(1));
+        let is_error = viewer.message.as_ref().is_some_and(|message| message.tone == Tone::Error);
+        assert!(is_error && viewer.bodies[0].animation == Some(0) && viewer.clock.seconds == 2.5);
+        assert_eq!(viewer.generation(), before);
+    }
+
+    #[test]
+    fn no_light_is_added_where_another_is() {
+        let mut viewer = viewer();
+        for removed in [0, 1, 7] {
+            (0..MAX_LAMPS).for_each(|_| viewer.handle(Event::Acted(Action::AddLight)));
+            assert_eq!((viewer.lamps.len(), viewer.selected), (MAX_LAMPS, Some(MAX_LAMPS - 1)));
+            for (number, lamp) in viewer.lamps.iter().enumerate() {
+                assert!(viewer.lamps.iter().skip(number + 1).all(|other| other.kind != lamp.kind), "{number}");
+            }
+            viewer.selected = Some(removed);
+            viewer.handle(Event::Acted(Action::RemoveLight));
+        }
+    }
+
+    #[test]
+    fn every_view_of_the_cameras_is_reached() {
+        let mut viewer = viewer();
+        for name in ["a", "b", "c", "a"] {
+            viewer.handle(Event::Acted(Action::NextCamera));
+            let said = viewer.message.as_ref().map(|message| message.text.as_str());
+            assert_eq!(said, Some(format!("camera {name}").as_str()));
+            assert!(viewer.orbit.eye().is_finite());
+        }
     }
 }

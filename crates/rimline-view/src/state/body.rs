@@ -11,6 +11,9 @@ use rimline::{Mesh, MeshError, Model, ModelError, Pose};
 use rimline_files::{File, FileError};
 use rimline_picture::Bounds;
 
+/// The largest coordinate of models, so that cameras are finite a thousand sizes away.
+const FARTHEST: f32 = 1e34;
+
 /// Why a model cannot be shown.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -27,6 +30,9 @@ pub enum BodyError {
     /// There is nothing to look at.
     #[error("it has no faces with finite corners")]
     NoFaces,
+    /// Cameras and lights around it would not be finite.
+    #[error("it has corners beyond 1e34, which is too far to be shown; scale it down")]
+    TooFar,
     /// The file cannot be read.
     #[error(transparent)]
     File(#[from] FileError),
@@ -48,12 +54,12 @@ pub trait Source: Send {
         Vec::new()
     }
 
-    /// Lights of the file, at rest.
+    /// Lights of the file, at rest, without damaged ones.
     fn lights(&self) -> Vec<SceneLight> {
         Vec::new()
     }
 
-    /// Cameras of the file, at rest.
+    /// Cameras of the file, at rest, without damaged ones.
     fn cameras(&self) -> Vec<SceneCamera> {
         Vec::new()
     }
@@ -137,7 +143,7 @@ pub struct Body {
     pub name: String,
     /// The name that the command gives it: a file, or nothing for a model of the viewer's own.
     pub file: Option<String>,
-    /// The animation that plays.
+    /// The animation that plays. [`Viewer::play`](crate::Viewer::play) changes it, so that renderers notice.
     pub animation: Option<usize>,
     source: Box<dyn Source>,
     animations: Vec<(String, f32)>,
@@ -201,8 +207,10 @@ impl Body {
         let mesh = source.model().mesh(&pose)?;
         let world = deform(source.model(), &pose, 0.0, None, Threads::new(1))?;
         let used = mesh.faces().iter().flatten().filter_map(|&vertex| world.get(vertex as usize).copied());
-        let bounds = Bounds::of(used).filter(|bounds| (bounds.max - bounds.min).is_finite());
-        let bounds = bounds.ok_or(BodyError::NoFaces)?;
+        let bounds = Bounds::of(used).ok_or(BodyError::NoFaces)?;
+        if bounds.min.min_element() < -FARTHEST || bounds.max.max_element() > FARTHEST {
+            return Err(BodyError::TooFar);
+        }
         let found = MeshDiagnostics::of(&mesh, 0);
         let report = Report {
             faces: mesh.faces().len(),
@@ -238,12 +246,17 @@ impl Body {
         self.source.pose(self.animation, seconds)
     }
 
+    /// Whether an animation is not damaged at its start.
+    pub(super) fn plays(&self, animation: usize) -> bool {
+        self.source.pose(Some(animation), 0.0).is_ok()
+    }
+
     /// Names and durations of animations.
     pub fn animations(&self) -> &[(String, f32)] {
         &self.animations
     }
 
-    /// The duration of the animation that plays, in seconds. 0: none does.
+    /// The duration of the animation that plays, in seconds. 0: none does, or it has one key.
     pub fn duration(&self) -> f32 {
         self.animation.and_then(|index| self.animations.get(index)).map_or(0.0, |(_, duration)| *duration)
     }
@@ -263,12 +276,13 @@ impl Body {
         self.source.colors(geometry)
     }
 
-    /// Facts about the mesh at the start of the animation.
+    /// Facts about the mesh as it was opened: at the start of the first animation that is not damaged.
     pub fn report(&self) -> Report {
         self.report
     }
 
-    /// The box of the model at the start of the animation.
+    /// The box of the model as it was opened: at the start of the first animation that is not damaged. It does not follow the
+    /// animation that plays.
     pub fn bounds(&self) -> Bounds {
         self.bounds
     }

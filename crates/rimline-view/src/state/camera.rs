@@ -59,7 +59,10 @@ impl Orbit {
             // From far away with a narrow field of view, which shows as much.
             CameraProjection::Orthographic { ymag, .. } => (5.0, ymag.abs() / 2.5_f32.to_radians().tan()),
         };
-        let azimuth = (-forward.x).atan2(-forward.z).to_degrees().rem_euclid(360.0);
+        // Straight up or down, rounding alone decides to which side `forward` points.
+        let is_steep = forward.y.abs() > 89_f32.to_radians().sin();
+        let ahead_on_level = if is_steep { Vec3::from(camera.up) * -forward.y.signum() } else { forward };
+        let azimuth = (-ahead_on_level.x).atan2(-ahead_on_level.z).to_degrees().rem_euclid(360.0);
         let elevation = (-forward.y).clamp(-1.0, 1.0).asin().to_degrees().clamp(-89.0, 89.0);
         Self { target, azimuth, elevation, distance, fov }
     }
@@ -126,7 +129,7 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// The pixel that shows a point, from the upper left corner of the picture. `None` if it is not before the eye.
+    /// The pixel that shows a point, from the upper left corner of the picture. `None` if it is not beyond the near plane.
     pub fn project(&self, point: Vec3) -> Option<Vec2> {
         let view = &self.view;
         let from_eye = point - view.eye;
@@ -164,6 +167,23 @@ mod tests {
                 assert!(pixel.cmpge(Vec2::ZERO).all() && pixel.cmple(camera.size).all(), "{size:?}: {pixel}");
                 let back = camera.view.eye + camera.ray(pixel) * (corner - camera.view.eye).dot(camera.view.forward);
                 assert!((back - corner).length() < 1e-3, "{corner} {back}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_camera_that_looks_straight_up_or_down_keeps_its_up() {
+        for azimuth in [30.0, 150.0, 300.0] {
+            let level = Orbit { elevation: 0.0, azimuth, ..Orbit::showing(&BOX, &[], 1.0) }.axes()[2];
+            for (forward, up) in [(Vec3::NEG_Y, level), (Vec3::Y, -level)] {
+                // Rounding tips it to the other side.
+                let forward = (forward - 1e-7 * level).into();
+                let projection =
+                    CameraProjection::Perspective { yfov: 0.5, aspect_ratio: None, znear: 0.1, zfar: None };
+                let camera = SceneCamera { name: None, eye: [10.0, 0.0, 10.0], forward, up: up.into(), projection };
+                let found = Orbit::of_file(&camera, &BOX);
+                assert!((found.azimuth - azimuth).abs() < 0.01, "{azimuth}: {found:?}");
+                assert!(found.axes()[1].dot(up) > 0.99, "{azimuth}: {found:?}");
             }
         }
     }

@@ -60,7 +60,8 @@ impl Viewer {
         self.lamps.get(number)?.target(bounds)
     }
 
-    /// Moves a handle to where the pointer is: in a plane that faces the eye, at its height, or up and down.
+    /// Moves a handle to where the pointer is: in a plane that faces the eye, at its height, or up and down. A light at
+    /// infinity stays on its sphere, whichever keys are held.
     fn drag_handle(&mut self, handle: Handle, pixel: Vec2, modifiers: Modifiers) {
         let (camera, bounds) = (self.camera(), self.bounds());
         let (Handle::Lamp(number) | Handle::Target(number)) = handle;

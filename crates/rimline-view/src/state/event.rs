@@ -35,8 +35,8 @@ pub enum Event {
     Pressed(Button, Modifiers),
     /// A button went up.
     Released,
-    /// The wheel or two fingers scrolled: lines to the right and up. Up is nearer. With Shift a line moves the camera sideways by 40
-    /// pixels; [`Event::Panned`] says how many.
+    /// The wheel or two fingers scrolled: lines to the right and up. Up is nearer. With Shift a line moves the camera sideways
+    /// by 40 pixels; [`Event::Panned`] says how many.
     Scrolled([f32; 2], Modifiers),
     /// Two fingers moved the picture by so many pixels to the right and down.
     Panned([f32; 2]),

@@ -89,8 +89,8 @@ const fn shift(key: egui::Key, action: Action, what: &'static str) -> KeyBinding
     KeyBinding { key, shift: true, action, what }
 }
 
-/// All keys. W, A, S, D, Q and E also fly while they are held. Tab, which is none of them, moves the keyboard on to the next
-/// widget of the panel, until Escape: so everything there needs no pointer.
+/// All keys but W, A, S, D, Q and E, which fly while they are held, and Tab, which moves the keyboard on to the next widget of
+/// the panel, until Escape: so everything there needs no pointer.
 pub const KEYS: [KeyBinding; 50] = {
     use egui::Key as K;
     [

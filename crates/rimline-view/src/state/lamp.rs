@@ -5,6 +5,8 @@ use rimline::gltf::{SceneLight, SpotCone};
 use rimline::{AreaLight, AreaShape, Cone, Light};
 use rimline_picture::Bounds;
 
+use super::viewer::MAX_LAMPS;
+
 /// Whether a light is at a point or at infinity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LampKind {
@@ -25,7 +27,8 @@ pub struct Lamp {
     pub intensity: f32,
     /// The distance at which a light at a point ends. `None`: it does not.
     pub range: Option<f32>,
-    /// The direction in which a spot shines, of length 1, and the angle from there to where it has faded, in radians.
+    /// The direction in which a spot shines, of length 1, and the angle from there to where it has faded, in radians. A light
+    /// at infinity ignores it.
     pub cone: Option<(Vec3, f32)>,
     /// The radius of the sphere that it shines from. A light at infinity has its sphere at distance 1. `None`: it shines
     /// from one point.
@@ -47,18 +50,20 @@ const COLORS: [[f32; 3]; 6] = [
     [0.75, 0.72, 1.0],
 ];
 
-/// Directions in which the first lights are, from the middle of the models: +X is right, +Y up, +Z towards the front.
-const DIRECTIONS: [Vec3; 6] = [
+/// Directions of as many lights as there may be, from the middle of the models: +X is right, +Y up, +Z towards the front.
+const DIRECTIONS: [Vec3; MAX_LAMPS] = [
     Vec3::new(-0.62, 1.25, 0.95),
     Vec3::new(1.25, 0.85, 0.35),
     Vec3::new(0.25, 1.0, -1.15),
     Vec3::new(-1.2, 0.7, -0.3),
     Vec3::new(0.9, 1.3, 0.9),
     Vec3::new(-0.2, 1.6, 0.1),
+    Vec3::new(1.0, 0.9, -0.9),
+    Vec3::new(-0.8, 1.1, -0.9),
 ];
 
 impl Lamp {
-    /// The light with this number around models in `bounds`.
+    /// The light with this number around models in `bounds`. Those of eight numbers in a row are apart.
     pub fn around(bounds: &Bounds, number: usize) -> Self {
         let direction = DIRECTIONS[number % DIRECTIONS.len()].normalize();
         Self {
@@ -72,7 +77,7 @@ impl Lamp {
         }
     }
 
-    /// The lights of a file around models in `bounds`. The brightest counts as 1.
+    /// The lights of a file around models in `bounds`. The brightest there counts as 1, and each does if all are dark.
     pub(super) fn all_of_file(lights: &[SceneLight], bounds: &Bounds) -> Vec<Self> {
         let illuminance = |light: &SceneLight| {
             if light.light.w == 0.0 {
@@ -180,12 +185,17 @@ impl Lamp {
         }
     }
 
-    /// Makes a light at a point one at infinity in the same direction from the models, and the other way round.
+    /// Makes a light at a point one at infinity in the same direction from the models, and the other way round. Its sphere
+    /// looks as large from the middle of the models, up to a radius of 1 at infinity.
     pub fn change_kind(&mut self, bounds: &Bounds) {
         let handle = self.handle(bounds);
-        self.kind = match self.kind {
-            LampKind::Sun(_) => LampKind::Point(handle),
-            LampKind::Point(at) => LampKind::Sun((at - bounds.centre()).normalize_or(Vec3::Y)),
+        let distance = handle.distance(bounds.centre());
+        (self.kind, self.radius) = match self.kind {
+            LampKind::Sun(_) => (LampKind::Point(handle), self.radius.map(|radius| radius * distance)),
+            LampKind::Point(at) => {
+                let towards = (at - bounds.centre()).normalize_or(Vec3::Y);
+                (LampKind::Sun(towards), self.radius.map(|radius| (radius / distance).min(1.0)))
+            }
         };
     }
 }
@@ -200,6 +210,19 @@ mod tests {
     use rimline::gltf::SceneLightKind;
 
     use super::*;
+
+    #[test]
+    fn a_light_that_changes_its_kind_looks_as_large() {
+        let bounds = Bounds { min: Vec3::splat(-50.0), max: Vec3::splat(50.0) };
+        for (at, radius, of_sun) in [(512.0, 16.0, 0.03125), (8.0, 50.0, 1.0), (0.0, 50.0, 1.0)] {
+            let kind = LampKind::Point(Vec3::new(0.0, at, 0.0));
+            let mut lamp = Lamp { kind, radius: Some(radius), ..Lamp::around(&bounds, 0) };
+            lamp.change_kind(&bounds);
+            assert_eq!((lamp.kind, lamp.radius), (LampKind::Sun(Vec3::Y), Some(of_sun)));
+            lamp.change_kind(&bounds);
+            assert_eq!((lamp.kind, lamp.radius), (LampKind::Point(100.0 * Vec3::Y), Some(100.0 * of_sun)));
+        }
+    }
 
     #[test]
     fn lights_of_a_file_are_as_bright_as_their_shares() {

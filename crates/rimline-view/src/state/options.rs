@@ -27,8 +27,8 @@ pub struct Overlays {
     pub creases: bool,
     /// Edges of faces whose side some light leaves to exact arithmetic.
     pub exact: bool,
-    /// Edges between clusters, groups of faces that the library decides at once in models that cannot deform. Models in the viewer
-    /// can, so these clusters are made for the overlay, from the pose in which it was switched on.
+    /// Edges between clusters, groups of faces that the library decides at once in models that cannot deform. Models in the
+    /// viewer can, so these clusters are made for the overlay, from the pose in which it was switched on.
     pub clusters: bool,
     /// The farthest receiver of each tile of 8 × 8 pixels, in bands of its distance: shadows behind it are culled by receivers.
     pub receivers: bool,
@@ -82,7 +82,7 @@ pub struct Options {
     pub counting: Counting,
     /// How shadows are drawn.
     pub mode: Mode,
-    /// Whether the sides of faces smooth into each other.
+    /// Whether faces are shaded as one smooth surface where they meet at small angles; else each is flat.
     pub smooth: bool,
     /// Whether models have their base colours; else they are of clay.
     pub colors: bool,
@@ -96,7 +96,7 @@ pub struct Options {
     pub skipping: Skipping,
     /// Whether the stages are timed by the device.
     pub timing: bool,
-    /// Samples of each pixel while nothing moves: 4, or 1 for speed.
+    /// Samples of each pixel: 4, or 1 for speed. Software devices take one while something moves, and OpenGL always.
     pub samples: u32,
 }
 

@@ -75,15 +75,18 @@ struct Opened {
     orbit: Orbit,
     origin: Origin,
     arranged: (Vec<Lamp>, Orbit),
+    /// The size of the picture then.
+    size: [u32; 2],
 }
 
 /// The state of the viewer.
 #[derive(Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "states that do not depend on each other")]
 pub struct Viewer {
-    /// Models that are shown.
+    /// Models that are shown. Renderers notice other ones by their number and by [`Self::generation`], which methods and
+    /// events change.
     pub bodies: Vec<Body>,
-    /// Lights.
+    /// Lights, at most eight: files and keys make no more.
     pub lamps: Vec<Lamp>,
     /// Where the eye is.
     pub orbit: Orbit,
@@ -105,7 +108,7 @@ pub struct Viewer {
     pub origin: Origin,
     /// How files are read from now on, which [`Self::command`] repeats.
     pub read: ReadOptions,
-    /// How near to a handle the pointer drags it, in pixels.
+    /// How near to a handle the pointer drags it, in pixels. Each [`Panel::run`](crate::Panel::run) sets it.
     pub handle_radius: f32,
     /// Requests to the shell, which takes them out.
     pub requests: Vec<Request>,
@@ -126,7 +129,8 @@ pub struct Viewer {
 }
 
 impl Viewer {
-    /// Shows these models, with three lights around them.
+    /// Shows these models, with the lights of the first one, at most eight, or with three around them. They count as a built-in
+    /// scene: the first file that is opened replaces them.
     pub fn new(bodies: Vec<Body>) -> Self {
         let orbit = Orbit { target: Vec3::ZERO, azimuth: 0.0, elevation: 0.0, distance: 1.0, fov: 35.0 };
         let mut viewer = Self {
@@ -168,7 +172,7 @@ impl Viewer {
         self.generation
     }
 
-    /// The box of all models.
+    /// The box of all models as they were opened. Without any: a cube of size 1.
     pub fn bounds(&self) -> Bounds {
         let none = Bounds { min: Vec3::splat(-0.5), max: Vec3::splat(0.5) };
         self.bodies.iter().map(Body::bounds).reduce(Bounds::with).unwrap_or(none)
@@ -184,7 +188,7 @@ impl Viewer {
         self.orbit.camera(self.size, &self.bounds(), self.ground())
     }
 
-    /// Names and views of the files' cameras.
+    /// Names and views of the files' cameras. One too far away to be looked through is left out.
     pub fn cameras(&self) -> Vec<(String, Orbit)> {
         let bounds = self.bounds();
         let cameras = self.bodies.iter().flat_map(Body::cameras).enumerate();
@@ -192,7 +196,8 @@ impl Viewer {
             let name = camera.name.as_deref().map_or_else(|| format!("camera {number}"), short);
             (name, Orbit::of_file(camera, &bounds))
         };
-        cameras.map(named).collect()
+        let is_near = |(_, orbit): &(String, Orbit)| orbit.target.is_finite() && orbit.distance.is_finite();
+        cameras.map(named).filter(is_near).collect()
     }
 
     /// The longest animation that plays, in seconds.
@@ -200,8 +205,8 @@ impl Viewer {
         self.bodies.iter().map(Body::duration).fold(0.0, f32::max)
     }
 
-    /// The points that shine, each with the number of its light among those that are on. Only shadows that each take away the light
-    /// of a point of an area add up to a soft one; other ways to draw shadows take the middle.
+    /// The points that shine, each with the number of its light among those that are on. Only shadows that each take away the
+    /// light of a point of an area add up to a soft one; other ways to draw shadows take the middle.
     pub fn sources(&self) -> Vec<(usize, Lamp)> {
         let has_areas = self.options.shadows && self.options.mode == Mode::Additive;
         let lamps = self.lamps.iter().filter(|lamp| lamp.is_on).enumerate();
@@ -219,7 +224,7 @@ impl Viewer {
         self.drag.is_some()
     }
 
-    /// Takes a model out.
+    /// Takes a model out, and the message. Camera and lights stay.
     pub fn remove_body(&mut self, index: usize) {
         if index < self.bodies.len() {
             self.bodies.remove(index);
@@ -239,6 +244,9 @@ impl Viewer {
         (self.bodies, self.lamps, self.orbit) = (opened.bodies, opened.lamps, opened.orbit);
         (self.origin, self.arranged) = (opened.origin, opened.arranged);
         self.is_built_in = false;
+        if opened.size != self.size {
+            self.resize(self.size);
+        }
         self.begin();
         true
     }
@@ -249,10 +257,18 @@ impl Viewer {
         opened.or_else(|| self.bodies.iter().any(|body| body.file.is_some()).then_some(self.origin))
     }
 
-    /// Lets another animation of a model play, or none.
+    /// Lets an animation of a model play, or none. The time of all models starts again, also if it plays already. A damaged
+    /// animation changes nothing but the message.
     pub fn play(&mut self, index: usize, animation: Option<usize>) {
-        if let Some(body) = self.bodies.get_mut(index).filter(|body| body.animation != animation) {
-            body.animation = animation;
+        let Some(body) = self.bodies.get_mut(index) else { return };
+        let before = std::mem::replace(&mut body.animation, animation);
+        if let Err(error) = body.pose(0.0) {
+            body.animation = before;
+            self.message = Some(Message::new(Tone::Error, format!("{}: {error}", body.name)));
+            return;
+        }
+        self.clock.seconds = 0.0;
+        if before != animation {
             self.change();
         }
     }
@@ -301,7 +317,8 @@ impl Viewer {
         let bodies = std::mem::replace(&mut self.bodies, bodies);
         if !self.is_built_in && !bodies.is_empty() {
             let (lamps, arranged) = (std::mem::take(&mut self.lamps), self.arranged.clone());
-            self.opened = Some(Opened { bodies, lamps, orbit: self.orbit, origin: self.origin, arranged });
+            let (orbit, origin, size) = (self.orbit, self.origin, self.size);
+            self.opened = Some(Opened { bodies, lamps, orbit, origin, arranged, size });
         }
         self.is_built_in = true;
         self.origin = Origin::ZERO;
@@ -310,7 +327,7 @@ impl Viewer {
     }
 
     /// Says what failed, beside what failed before: in lines, and the rest in details.
-    fn add_error(&mut self, error: &str) {
+    pub(crate) fn add_error(&mut self, error: &str) {
         const SHOWN: usize = 6;
         match &mut self.message {
             Some(Message { tone: Tone::Error, text, .. }) if text.lines().count() < SHOWN => {
@@ -337,6 +354,7 @@ impl Viewer {
         }
         self.is_built_in = false;
         let text = format!("{}: {} faces", body.name, body.report().faces);
+        let left_out = self.lights_left_out(&body);
         self.bodies.push(body);
         let (lamps, orbit) = (self.lamps.clone(), self.orbit);
         let is_first = self.bodies.len() == 1;
@@ -348,9 +366,12 @@ impl Viewer {
         if keeps_orbit {
             self.orbit = orbit;
         }
-        // The selected light is one of those that stay.
+        // After the lights: it selects the first of those that there are now.
         self.begin();
         self.message = Some(failed.unwrap_or_else(|| Message::new(Tone::Note, text)));
+        if let Some(error) = left_out {
+            self.add_error(&error);
+        }
     }
 
     /// Other models are shown: what belongs to those before ends.
@@ -363,7 +384,7 @@ impl Viewer {
         self.message = None;
     }
 
-    /// Places camera and lights for new models.
+    /// Places camera and lights for new models: lights of the first one, or three around all.
     fn arrange(&mut self) {
         let bounds = self.bounds();
         self.lamps = self.bodies.first().map_or_else(Vec::new, |body| Lamp::all_of_file(&body.lights(), &bounds));

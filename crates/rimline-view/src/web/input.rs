@@ -9,7 +9,7 @@ use web_sys::{HtmlCanvasElement, KeyboardEvent, MouseEvent, PointerEvent, WheelE
 use super::page::listen;
 use crate::pointer::{Pointer, Pointers};
 
-/// Hears events. The first tells which keys are held.
+/// Hears events. Those of pointers, wheels and keys begin with the keys that are held.
 type Hear = dyn Fn(&[Event]);
 
 /// Lets `hear` hear all that happens on the canvas.

@@ -13,12 +13,13 @@ use rimline_view::{
 
 use crate::support::{Outcome, handle, hold, say, viewer, window};
 
-pub(crate) const TESTS: [Test; 12] = [
+pub(crate) const TESTS: [Test; 13] = [
     ("a still panel asks for no repaint", a_still_panel_asks_for_no_repaint),
     ("the pointer drags a light on the picture", the_pointer_drags_a_light),
     ("what the pointer does within one frame has its order", a_frame_of_many_events),
     ("the wheel with Shift moves what is seen as far as it scrolls, at every scale", scrolled_sideways),
     ("a bad file gives a message and the viewer goes on", a_bad_file),
+    ("an error is seen without the panel, too", error_without_the_panel),
     ("a key that is held acts once, or step by step", held_keys),
     ("Escape closes a menu and not the window", escape_in_a_menu),
     ("a light that is removed is let go, and none may be left", no_lights),
@@ -228,6 +229,24 @@ fn a_bad_file() -> Outcome {
     hold(stage.viewer.bodies.len() == 5 && stage.renderer.pictures() == pictures, "the scene changed")?;
     stage.run(vec![key(Key::ArrowLeft, Modifiers::NONE)]);
     hold(stage.renderer.pictures() == pictures + 1, "the viewer does not go on")
+}
+
+fn error_without_the_panel() -> Outcome {
+    let mut stage = Stage::new(scenes::still_life)?;
+    stage.viewer.shows_panel = false;
+    stage.settle()?;
+    let before = stage.pixels()?;
+    stage.viewer.handle(Event::Opened(Err(("bad.glb".into(), "it is no glTF".into()))));
+    stage.settle()?;
+    let after = stage.pixels()?;
+    let changed = after.chunks(4).zip(before.chunks(4)).filter(|(now, before)| now != before).count();
+    hold((500..120_000).contains(&changed), format!("{changed} pixels are of the error"))?;
+    for message in [None, Some(Message::new(Tone::Note, "wrote a picture"))] {
+        stage.viewer.message = message;
+        stage.settle()?;
+        hold(stage.pixels()? == before, format!("{:?} is over the picture", stage.viewer.message))?;
+    }
+    Ok(())
 }
 
 fn held_keys() -> Outcome {

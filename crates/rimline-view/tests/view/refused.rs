@@ -3,16 +3,22 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use glam::Vec3;
 use rimline_testkit::harness::Test;
-use rimline_view::{Action, Body, BodyError, Event, Gpu, Overlays, Panel, Renderer, Source, Viewer, scenes};
+use rimline_view::{
+    Action, Body, BodyError, Event, Gpu, LampKind, Overlays, Panel, Renderer, Source, Tone, Viewer, scenes,
+};
 
 use crate::support::{Outcome, block, finish, gpu, hold, picture, rest, say, viewer, window};
 
-pub(crate) const TESTS: [Test; 4] = [
+pub(crate) const TESTS: [Test; 7] = [
+    ("models that cannot be drawn are removed, and each is named", refused_models),
+    ("a light that is nowhere is told once, and the viewer goes on", light_that_is_nowhere),
     ("overlays that are refused are switched off, and the model and the picture stay", refused_overlays),
     ("an error of the device that nobody expects is told, and no panic", unexpected),
     ("a device that is lost changes nothing of the viewer", lost_device),
     ("a renderer takes viewers in turn", viewers_in_turn),
+    ("models that a caller adds or takes out are noticed", models_of_a_caller),
 ];
 
 /// A block whose next pose fails on request.
@@ -49,6 +55,36 @@ fn refused_overlays() -> Outcome {
     hold(renderer.draw(&viewer).is_err(), "overlays are drawn without a pose")?;
     let last = renderer.read().ok_or("the last picture is gone")?;
     hold(finish(&renderer, last)? == before, "a picture that fails takes the place of the last one")
+}
+
+fn refused_models() -> Outcome {
+    let flags = [0; 3].map(|_| Arc::new(AtomicBool::new(false)));
+    let body = |name, fails: &Arc<AtomicBool>| Body::new(name, None, Failing(block()?, Arc::clone(fails))).map_err(say);
+    let bodies = vec![body("first", &flags[0])?, body("second", &flags[1])?, body("third", &flags[2])?];
+    let (mut viewer, mut renderer) = (Viewer::new(bodies), Renderer::new(gpu()?).map_err(say)?);
+    viewer.handle(Event::Resized([120, 80]));
+    viewer.handle(Event::Opened(Err(("bad.glb".into(), "it is no glTF".into()))));
+    flags.iter().step_by(2).for_each(|fails| fails.store(true, Ordering::Relaxed));
+    hold(renderer.show(&mut viewer), "nothing is drawn")?;
+    let names: Vec<_> = viewer.bodies.iter().map(|body| body.name.as_str()).collect();
+    hold(names == ["second"], format!("{names:?} are left"))?;
+    let said = viewer.message.as_ref().map(|message| message.text.clone()).unwrap_or_default();
+    let named: Vec<_> = said.lines().filter_map(|line| Some(line.split_once(':')?.0)).collect();
+    hold(named == ["bad.glb", "first", "third"], said.clone())
+}
+
+fn light_that_is_nowhere() -> Outcome {
+    let (mut viewer, mut renderer) = viewer(scenes::moebius, [120, 80])?;
+    let before = picture(&viewer, &mut renderer)?;
+    let was = std::mem::replace(&mut viewer.lamps[0].kind, LampKind::Point(Vec3::NAN));
+    for _ in 0..2 {
+        hold(!renderer.show(&mut viewer), "a light that is nowhere was drawn")?;
+        let message = viewer.message.as_ref().ok_or("nothing is told")?;
+        hold(message.tone == Tone::Error && message.text.lines().count() == 1, message.text.clone())?;
+    }
+    viewer.lamps[0].kind = was;
+    hold(renderer.show(&mut viewer), "it is not drawn again")?;
+    hold(picture(&viewer, &mut renderer)? == before, "the picture is another one")
 }
 
 /// A device of the test's own.
@@ -113,4 +149,16 @@ fn viewers_in_turn() -> Outcome {
     let (viewer_b, mut other) = viewer(scenes::still_life, [120, 80])?;
     let expected = picture(&viewer_b, &mut other)?;
     hold(picture(&viewer_b, &mut renderer)? == expected, "models of one viewer are shown for another")
+}
+
+fn models_of_a_caller() -> Outcome {
+    let (mut viewer, mut renderer) = viewer(scenes::moebius, [120, 80])?;
+    viewer.handle(Event::Acted(Action::Silhouettes));
+    let before = picture(&viewer, &mut renderer)?;
+    viewer.bodies.extend(scenes::still_life().map_err(say)?);
+    let more = picture(&viewer, &mut renderer)?;
+    let mut other = Renderer::new(gpu()?).map_err(say)?;
+    hold(more != before && more == picture(&viewer, &mut other)?, "models that were added are not drawn")?;
+    viewer.bodies.truncate(1);
+    hold(picture(&viewer, &mut renderer)? == before, "models that were taken out are still drawn")
 }
