@@ -98,15 +98,9 @@ fn turned(setting: &Setting) -> Vec<Matrix3x4> {
     at.map(turn).collect()
 }
 
-/// A stride that comes to each of so many casters before it comes to one again.
+/// A stride that comes to each of so many casters before it comes to one again: a prime that does not divide their number.
 fn stride(casters: usize) -> usize {
-    let divisor = |mut a: usize, mut b: usize| {
-        while b > 0 {
-            (a, b) = (b, a % b);
-        }
-        a
-    };
-    (97..).find(|stride| divisor(*stride, casters.max(1)) == 1).unwrap_or(1)
+    [97, 101, 103].into_iter().find(|prime| !casters.is_multiple_of(*prime)).unwrap_or(1)
 }
 
 /// The devices on which frames run, and what draws.
