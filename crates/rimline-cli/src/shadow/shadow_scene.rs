@@ -142,9 +142,7 @@ impl<'a> ShadowScene<'a> {
             _ if view.camera.is_some() => camera.near = args.near.unwrap_or(camera.near),
             _ => camera.near = args.near.unwrap_or_else(|| near(&camera, &stage, &points, axis)),
         }
-        if camera.far.is_none() {
-            check_near(camera.near, farthest(&camera, &stage), args.near.is_some())?;
-        }
+        check_near(&camera, farthest(&camera, &stage), args.near.is_some())?;
         Ok(Self { args, bodies, stage, shaded_lights, camera, part: Part::WHOLE, reach })
     }
 
@@ -301,21 +299,23 @@ fn farthest(camera: &Camera, stage: &SceneBounds) -> f32 {
 }
 
 /// Refuses a near plane that is so near that depths lose bits: devices flush slopes of depth that are no normal numbers. One that
-/// `is_given` must not be beyond what it should show, either.
-fn check_near(near: f32, farthest: f32, is_given: bool) -> Result<(), Failure> {
+/// `is_given` must not be beyond what it should show, either. With a far plane depths are linear, and may begin anywhere before it.
+fn check_near(camera: &Camera, farthest: f32, is_given: bool) -> Result<(), Failure> {
+    let near = camera.near;
     // Slopes of depths above 2⁻¹⁰⁴ keep 22 bits.
     let least = farthest * 2.0_f32.powi(-104);
-    if is_given && near > farthest {
-        Err(Failure::usage(format!(
+    match camera.far {
+        Some(far) if near >= far => Err(Failure::usage(format!(
+            "--near {near:e} is not before the far plane of the camera, which is {far} away; give less"
+        ))),
+        _ if is_given && near > farthest => Err(Failure::usage(format!(
             "--near {near:e} is beyond the models, which end before {farthest}; give less, or the picture shows none of them"
-        )))
-    } else if near < least {
-        Err(Failure::usage(format!(
+        ))),
+        None if near < least => Err(Failure::usage(format!(
             "--near {near:e} is too near: depths of what lies {farthest} away leave the normal range of \
              32-bit floats; give {least:.1e} or more"
-        )))
-    } else {
-        Ok(())
+        ))),
+        _ => Ok(()),
     }
 }
 
