@@ -1,5 +1,6 @@
 //! The small languages of the command line: lights, points and picture sizes.
 
+use std::collections::BTreeSet;
 use std::str::FromStr;
 
 use rimline::gltf::SceneLight;
@@ -82,8 +83,10 @@ pub(crate) fn light(text: &str) -> Result<LightSpec, String> {
 pub(crate) fn shaded(text: &str) -> Result<ShadedLightSpec, String> {
     let (light_text, options) = split_options(text);
     let mut shaded = ShadedLightSpec { light: light(light_text)?, ..ShadedLightSpec::default() };
+    let mut names = BTreeSet::new();
     for option in options {
         let (name, value) = option.split_once('=').unwrap_or((option, ""));
+        checked((), names.insert(name), format!("{name}= is given twice; give it once"))?;
         let lamp = |value: f32, is_right, needed: &str| {
             checked(value, is_right, format!("{name}={value}: it must be {needed}"))
         };
