@@ -179,6 +179,7 @@ Arrays written, V vertices, F faces, E edge records, N lights, W = N / 32 rounde
                             light l is bit l % 32 of word l / 32
   origin (3) float64        last, and only where it is not zero: a point near a
                             model whose coordinates are too large for float32
+Polygons taken whole have a row each in `facing`, and more arrays: docs/formats.md.
 ";
 
 const EXTRACT_KEYS: &str = "\

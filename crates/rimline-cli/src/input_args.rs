@@ -90,7 +90,7 @@ pub(crate) struct MomentArgs {
 
     /// A WGSL file with `fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32>`, or - for standard input.
     /// It moves vertices in world space, after morph targets and skins. Where the result has an origin, positions are
-    /// relative to it. It needs a GPU
+    /// relative to it. It needs a GPU, which may be software
     #[arg(long, value_name = "FILE.wgsl")]
     pub(crate) displace: Option<PathBuf>,
 
@@ -278,7 +278,8 @@ pub(crate) struct JobsArgs {
     #[arg(long, value_name = "FILE.jsonl")]
     pub(crate) jobs: Option<PathBuf>,
 
-    /// Skip jobs whose results are all there. Results are complete or not there, so a run that was stopped goes on so
+    /// Skip jobs whose results are all there. Results are complete or not there, so a run that was stopped goes on so. Jobs
+    /// of `info` have none and always run
     #[arg(long)]
     pub(crate) resume: bool,
 
