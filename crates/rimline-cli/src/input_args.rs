@@ -98,7 +98,7 @@ pub(crate) struct MomentArgs {
     pub(crate) device: DeviceArgs,
 }
 
-/// The posed.
+/// A pose: animations and their time.
 #[derive(Args, Debug)]
 pub(crate) struct PoseArgs {
     /// The animation that poses the model, by name or by number from 0, or `all`. Without it the model is at rest. The
@@ -184,7 +184,7 @@ pub(crate) struct CameraArgs {
     pub(crate) wanted: Option<String>,
 }
 
-/// The same, relative to the run's origin.
+/// [`ViewArgs`] relative to the run's origin.
 #[derive(Clone, Debug)]
 pub(crate) struct PlacedView {
     pub(crate) eye: Option<[f32; 3]>,

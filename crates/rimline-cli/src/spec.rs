@@ -134,8 +134,8 @@ pub(crate) fn shaded(text: &str) -> Result<ShadedLightSpec, String> {
 }
 
 impl ShadedLightSpec {
-    /// Its options fit together and to the light, which may have a range and a cone of its own. If not: whether they fit no
-    /// light, and why.
+    /// Its options fit together and to the light, which may have a range and a cone of its own. If not: whether that is refused
+    /// even where they fit other lights of `file:all`, and why.
     pub(crate) fn check(&self, light: Light, of_file: Option<&SceneLight>) -> Result<(), (bool, String)> {
         let at_a_point =
             [("range", self.range.is_some()), ("cone", self.cone.is_some()), ("target", self.target.is_some())];
