@@ -22,7 +22,7 @@ pub(crate) enum Failure {
     /// The model file, or what is in it.
     #[error("{}: {source}", .file.display())]
     Input { file: PathBuf, source: Cause },
-    /// A pose of another model.
+    /// A model that has no mesh, or cannot be deformed.
     #[error(transparent)]
     Pose(#[from] rimline::ModelError),
     /// The command line asks for what cannot be.

@@ -46,8 +46,8 @@ Examples:
 
 Drag a light by its handle, or elsewhere to turn. ? lists the keys, and Tab goes through
 the panel, so nothing needs a pointer. C copies a command that draws the view without a
-window: `rimline shadow`, or if no shadows are shown `draw` or `lines`. Options of files
-hold for those that are dropped on the window, too.
+window: `rimline shadow`, `draw` or `lines`. Options of files hold for those that are
+dropped on the window, too.
 Overlays but volumes, flat faces and a missing ground have no option there: the message
 says what of the view is not in the line.
 ";
