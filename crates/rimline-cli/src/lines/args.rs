@@ -215,6 +215,9 @@ impl LinesArgs {
         if self.fps.is_some() && self.pose.animations.is_empty() {
             warn("--fps", "without --animation");
         }
+        if self.frames == Some(1) && self.turn != 0.0 {
+            warn("--turn", "on one drawing");
+        }
         if self.frames.is_some_and(|frames| frames > 1) && self.turn == 0.0 && self.pose.animations.is_empty() {
             note("warning: all drawings are the same; give --animation or --turn");
         }
