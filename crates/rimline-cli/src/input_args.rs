@@ -223,7 +223,7 @@ pub(crate) struct LoadArgs {
     #[arg(long, value_name = "SIZE", default_value = "4GiB", value_parser = bytes)]
     pub(crate) memory_limit: u64,
 
-    /// The format of the file, where neither its content nor its name tells it
+    /// Read every model file in this format. By default its content tells the format, and where that says nothing its name
     #[arg(long, value_name = "FORMAT", value_parser = format())]
     input_format: Option<Format>,
 
