@@ -201,7 +201,8 @@ Options of a light, after its SPEC:
   radius=R      the light is a sphere of this radius, with soft shadows; as --area, for this light alone
   cone=A,B      the light is a spot: full within A degrees of its direction, nothing beyond B, 90 at
                 most; not for lights at infinity
-  target=X,Y,Z  the point that a spot shines at; the middle of the models without it
+  target=X,Y,Z  the point that a spot shines at; without it a spot of the file has its direction there,
+                and others shine at the middle of the models
 
 Lights of the file have color, range and cone as KHR_lights_punctual says, unless an option changes
 them. Masks are 0 outside a cone. Intensities of these lights are measured at the middle of the
