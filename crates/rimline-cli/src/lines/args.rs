@@ -29,7 +29,12 @@ pub(crate) enum Format {
 }
 
 #[derive(Args, Debug)]
-#[command(help_template = verbatim(EXAMPLES), after_help = REMARKS, mut_arg("weld", |weld| weld.default_value("position")))]
+#[command(
+    help_template = verbatim(EXAMPLES),
+    after_help = REMARKS,
+    mut_arg("weld", |weld| weld.default_value("position")),
+    mut_arg("time", |time| time.help("The time of the drawing in seconds, or of the first one, for animations")),
+)]
 pub(crate) struct LinesArgs {
     /// One or more .gltf, .glb, .obj, .ply, .stl or .npz files, or - for standard input. All are drawn together
     #[arg(required = true, value_name = "FILE")]
