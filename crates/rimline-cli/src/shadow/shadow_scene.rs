@@ -300,7 +300,8 @@ fn farthest(camera: &Camera, stage: &SceneBounds) -> f32 {
 }
 
 /// Refuses a near plane that is so near that depths lose bits: devices flush slopes of depth that are no normal numbers. One that
-/// `is_given` must not be beyond what it should show, either. With a far plane depths are linear, and may begin anywhere before it.
+/// `is_given` must not be beyond what it should show, either. With a far plane depths are linear, and may begin anywhere before
+/// it.
 fn check_near(camera: &Camera, farthest: f32, is_given: bool) -> Result<(), Failure> {
     let near = camera.near;
     // Slopes of depths above 2⁻¹⁰⁴ keep 22 bits.
