@@ -179,6 +179,7 @@ Arrays written, V vertices, F faces, E edge records, N lights, W = N / 32 rounde
                             light l is bit l % 32 of word l / 32
   origin (3) float64        last, and only where it is not zero: a point near a
                             model whose coordinates are too large for float32
+Polygons taken whole have a row each in `facing`, and more arrays: docs/formats.md.
 ";
 
 const EXTRACT_KEYS: &str = "\
@@ -348,7 +349,8 @@ const VERIFY_REMARKS: &str = "\
 Each device computes all other arrays again from the positions, faces and lights of each file. The command compares \
 the result with the file byte by byte. The exit code is 0 if everything is equal, and 5 if any bit or byte differs. If \
 a check cannot be done, the code is that of the first such check: 1 for a file that cannot be read, for example because \
-of a wrong checksum. Another machine needs only the command and the folder.
+of a wrong checksum. Another machine needs only the command and the folder. Files of `rimline extract` with another --method or \
+--predicate than the default ones may differ on every device.
 
 Keys of --json: devices (names), clips_wrongly (names of those whose driver clips slivers wrongly; bits are not \
 concerned), unusable (what was left out, and why), equal, files: a list of file, faces, edges, \

@@ -258,7 +258,8 @@ pub(crate) struct BenchArgs {
     #[command(flatten)]
     pub(crate) device: DeviceArgs,
 
-    /// Face counts of the closed meshes, or `none` [default: 1,024 to 4 million, by fours; `none` with a model]
+    /// Face counts of the closed meshes, or `none` [default: 1,024 to 4 million, by fours (quick: 1,024, 16,384 and 262,144);
+    /// `none` with a model]
     #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = count(16_777_216, "faces up to 16,777,216"))]
     pub(crate) meshes: Option<Vec<usize>>,
 
@@ -273,7 +274,7 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = count(100_000, "casters up to 100,000"))]
     pub(crate) casters: Option<Vec<usize>>,
 
-    /// The approximate number of faces of a stress scene [default: 65,536]
+    /// The approximate number of faces of a stress scene [default: 65,536 (quick: 16,384)]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4_194_304))]
     pub(crate) scene_faces: Option<u32>,
 
@@ -288,8 +289,8 @@ pub(crate) struct BenchArgs {
     )]
     pub(crate) lights: Option<Vec<u16>>,
 
-    /// The largest number of counted runs of each method. Slow rows have fewer, but at least 5 (quick: 3) [default: 21
-    /// (quick: 9)]
+    /// The largest number of counted runs of each method. Slow rows have fewer, but at least 5 (quick, and of camera paths:
+    /// 3) [default: 21 (quick: 9)]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub(crate) rounds: Option<u16>,
 

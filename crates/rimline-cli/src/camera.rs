@@ -4,7 +4,7 @@ use glam::{DQuat, DVec3, Vec3};
 use rimline::gltf::{CameraProjection, SceneCamera};
 use rimline_picture::{Bounds, Camera};
 
-use crate::failure::{EYE_AT_TARGET, Failure};
+use crate::failure::{EYE_AT_TARGET, EYE_TOO_FAR, Failure};
 use crate::input_args::PlacedView;
 use crate::spec::Side;
 
@@ -50,7 +50,10 @@ pub(crate) fn camera(
         distance
     };
     let eye = args.eye.map_or((target + backward * distance).as_vec3(), Vec3::from);
-    Ok(view.camera(eye, view.scale, distance.min(extent) * 1e-3, None))
+    let camera = view.camera(eye, view.scale, distance.min(extent) * 1e-3, None);
+    // Floats end before the eye of a very narrow view.
+    let is_finite = camera.eye.is_finite() && camera.scale.iter().all(|scale| scale.is_finite());
+    if is_finite { Ok(camera) } else { Err(Failure::usage(EYE_TOO_FAR)) }
 }
 
 /// A camera of a file, for a picture of this size, which decides its aspect ratio. A far plane of a perspective camera is

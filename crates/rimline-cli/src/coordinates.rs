@@ -119,7 +119,7 @@ mod tests {
             json!([392_143.517, 34.128, -5_820_467.702, 1.0])
         );
         assert_eq!(light(&Light::directional([0.5, 1.0, 0.0]), origin), json!([0.5, 1.0, 0.0, 0.0]));
-        // Without an origin it is f32, as it was.
+        // Without an origin it is f32.
         assert_eq!(point([0.1, 2.0, -3.5], Origin::ZERO).json(), json!([0.1_f32, 2.0_f32, -3.5_f32]));
         assert!(point([f32::NAN, 0.0, 0.0], origin) != point([0.0; 3], origin));
     }

@@ -206,7 +206,7 @@ fn by_preference() -> impl Iterator<Item = wgpu::Adapter> {
     [Backends::all().difference(Backends::GL), Backends::GL].into_iter().flat_map(adapters_of)
 }
 
-/// Opens the first adapter that fits; [`Wanted::Auto`] means any here.
+/// Opens the first adapter that fits. All but [`Wanted::Named`] mean any here, the CPU too: callers refuse that before.
 fn open_first(wanted: &Wanted) -> Result<Gpu, NoDevice> {
     let (mut names, mut refused) = (Vec::new(), None);
     for adapter in by_preference() {

@@ -22,7 +22,7 @@ pub(crate) enum Failure {
     /// The model file, or what is in it.
     #[error("{}: {source}", .file.display())]
     Input { file: PathBuf, source: Cause },
-    /// A pose of another model.
+    /// A model that has no mesh, or cannot be deformed.
     #[error(transparent)]
     Pose(#[from] rimline::ModelError),
     /// The command line asks for what cannot be.
@@ -63,6 +63,8 @@ pub(crate) const DISPLACE_ON_CPU: &str =
 pub(crate) const DRAW_ON_CPU: &str =
     "drawing needs a GPU; leave out `--device cpu` (Mesa's software Vulkan counts as a GPU)";
 pub(crate) const EYE_AT_TARGET: &str = "--eye and --target are the same point; move one";
+pub(crate) const EYE_TOO_FAR: &str = "the eye would be farther away than 32-bit floats can say; give a larger --fov, \
+                                      a nearer --target or smaller models";
 pub(crate) const NO_FINITE_FACE: &str =
     "no face has finite positions at all of its corners, so there is nothing to draw";
 pub(crate) const NO_AREA: &str = "its polygons have no area, so there is nothing to draw";

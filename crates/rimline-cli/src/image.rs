@@ -15,7 +15,8 @@ pub(crate) fn wrote(file: &Path, [width, height]: [u32; 2]) -> String {
     format!("wrote {} ({width}×{height})", Line(file.display()))
 }
 
-/// Rows of 8-bit sRGB with alpha, or of 8-bit grey, top first, as they lie in a buffer.
+/// Rows of 8-bit sRGB with alpha, or of 8-bit grey, top first, as they lie in a buffer; or of floats, which are only read by
+/// [`Picture::rows`].
 pub(crate) struct Picture {
     size: [u32; 2],
     /// Bytes from a row to the next, and of a pixel: 4 or 1.

@@ -422,7 +422,8 @@ impl<'a> PosedInput<'a> {
         self.input.scene(self.time_s(), self.displacement.is_some())
     }
 
-    /// Does the work on the device that was asked for, or on the CPU where that may be and must be.
+    /// Does the work on the device that was asked for, or on the CPU if `auto` finds no GPU that does it. `run` may run
+    /// twice: on a GPU that the model does not fit, then on the CPU.
     pub(crate) fn work<T>(
         &self,
         (progress, what): (&Progress, &'static str),
@@ -510,6 +511,7 @@ impl Positions {
         }
     }
 
+    /// Uploaded positions are those of one instance.
     pub(crate) fn of_instance(&self, instance: usize) -> Option<PositionBuffer<'_>> {
         match self {
             Self::Uploaded(_) => (instance == 0).then(|| self.buffer()),

@@ -90,7 +90,7 @@ pub(crate) struct MomentArgs {
 
     /// A WGSL file with `fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32>`, or - for standard input.
     /// It moves vertices in world space, after morph targets and skins. Where the result has an origin, positions are
-    /// relative to it. It needs a GPU
+    /// relative to it. It needs a GPU, which may be software
     #[arg(long, value_name = "FILE.wgsl")]
     pub(crate) displace: Option<PathBuf>,
 
@@ -98,7 +98,7 @@ pub(crate) struct MomentArgs {
     pub(crate) device: DeviceArgs,
 }
 
-/// The posed.
+/// A pose: animations and their time.
 #[derive(Args, Debug)]
 pub(crate) struct PoseArgs {
     /// The animation that poses the model, by name or by number from 0, or `all`. Without it the model is at rest. The
@@ -184,7 +184,7 @@ pub(crate) struct CameraArgs {
     pub(crate) wanted: Option<String>,
 }
 
-/// The same, relative to the run's origin.
+/// [`ViewArgs`] relative to the run's origin.
 #[derive(Clone, Debug)]
 pub(crate) struct PlacedView {
     pub(crate) eye: Option<[f32; 3]>,
@@ -223,7 +223,7 @@ pub(crate) struct LoadArgs {
     #[arg(long, value_name = "SIZE", default_value = "4GiB", value_parser = bytes)]
     pub(crate) memory_limit: u64,
 
-    /// The format of the file, where neither its content nor its name tells it
+    /// Read every model file in this format. By default its content tells the format, and where that says nothing its name
     #[arg(long, value_name = "FORMAT", value_parser = format())]
     input_format: Option<Format>,
 
@@ -278,7 +278,8 @@ pub(crate) struct JobsArgs {
     #[arg(long, value_name = "FILE.jsonl")]
     pub(crate) jobs: Option<PathBuf>,
 
-    /// Skip jobs whose results are all there. Results are complete or not there, so a run that was stopped goes on so
+    /// Skip jobs whose results are all there. Results are complete or not there, so a run that was stopped goes on so. Jobs
+    /// of `info` have none and always run
     #[arg(long)]
     pub(crate) resume: bool,
 

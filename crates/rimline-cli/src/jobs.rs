@@ -50,6 +50,7 @@ pub(crate) struct Many {
     command: clap::Command,
     common: Options,
     args: JobsArgs,
+    /// Each FILE is a job.
     is_each: bool,
     is_json: bool,
     pub(crate) is_quiet: bool,
@@ -60,8 +61,10 @@ struct Job {
     /// The line of the file of jobs.
     line: Option<usize>,
     files: Vec<PathBuf>,
+    /// Inputs beside the models.
     read: Vec<PathBuf>,
     command: Command,
+    /// All that it may write. How many lights `file:all` has is not known yet.
     results: Vec<PathBuf>,
 }
 

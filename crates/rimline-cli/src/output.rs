@@ -18,8 +18,8 @@ use crate::files::{HOLDS_RESULT, Target, check_parent, end_of_links, find, folde
 use crate::signals::{self, make_unfinished, remove_unfinished};
 pub(crate) use crate::signals::{finish_at_interrupt, is_interrupted};
 
-/// Prints to standard output, or to standard error where a result goes to standard output. A reader that has gone away
-/// (`| head`) is no failure.
+/// Prints to standard output, or to standard error where a result goes to standard output; within [`collected`] to neither. A
+/// reader that has gone away (`| head`) is no failure.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     let text = Text(text).to_string();
     if let Some(collected) = &mut *COLLECTED.lock().unwrap_or_else(PoisonError::into_inner) {
@@ -249,7 +249,7 @@ impl Drop for Output {
     }
 }
 
-/// A folder for results: made where it is not there, and removed again if it was and nothing was finished in it.
+/// A folder for results. One that was not there is made, and removed again when this is dropped, if nothing is in it.
 #[derive(Debug)]
 pub(crate) struct Folder {
     /// The folders that were made, the innermost first.

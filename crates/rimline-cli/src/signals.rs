@@ -13,6 +13,7 @@ static IS_FINISHING: AtomicBool = AtomicBool::new(false);
 
 static LAST_WORDS: Mutex<String> = Mutex::new(String::new());
 
+/// Sets the text that is printed when a signal ends the command.
 pub(crate) fn say_at_end(text: String) {
     *LAST_WORDS.lock().unwrap_or_else(PoisonError::into_inner) = text;
 }
@@ -28,7 +29,7 @@ pub(crate) fn make_unfinished<T>(make: impl FnOnce() -> io::Result<(T, PathBuf)>
     Ok(made)
 }
 
-/// Makes a file by a name that nobody has, which is removed at a signal.
+/// Makes a file that is removed at a signal. One that is there is an error.
 pub(crate) fn create_unfinished(file: &Path) -> io::Result<File> {
     make_unfinished(|| Ok((File::create_new(file)?, file.to_owned())))
 }

@@ -1,5 +1,6 @@
 //! The small languages of the command line: lights, points and picture sizes.
 
+use std::collections::BTreeSet;
 use std::str::FromStr;
 
 use rimline::gltf::SceneLight;
@@ -82,8 +83,10 @@ pub(crate) fn light(text: &str) -> Result<LightSpec, String> {
 pub(crate) fn shaded(text: &str) -> Result<ShadedLightSpec, String> {
     let (light_text, options) = split_options(text);
     let mut shaded = ShadedLightSpec { light: light(light_text)?, ..ShadedLightSpec::default() };
+    let mut names = BTreeSet::new();
     for option in options {
         let (name, value) = option.split_once('=').unwrap_or((option, ""));
+        checked((), names.insert(name), format!("{name}= is given twice; give it once"))?;
         let lamp = |value: f32, is_right, needed: &str| {
             checked(value, is_right, format!("{name}={value}: it must be {needed}"))
         };
@@ -131,8 +134,8 @@ pub(crate) fn shaded(text: &str) -> Result<ShadedLightSpec, String> {
 }
 
 impl ShadedLightSpec {
-    /// Its options fit together and to the light, which may have a range and a cone of its own. If not: whether they fit no
-    /// light, and why.
+    /// Its options fit together and to the light, which may have a range and a cone of its own. If not: whether that is refused
+    /// even where they fit other lights of `file:all`, and why.
     pub(crate) fn check(&self, light: Light, of_file: Option<&SceneLight>) -> Result<(), (bool, String)> {
         let at_a_point =
             [("range", self.range.is_some()), ("cone", self.cone.is_some()), ("target", self.target.is_some())];

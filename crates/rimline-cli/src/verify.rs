@@ -183,7 +183,7 @@ impl Report {
     fn summary(&self) -> String {
         let Self { files, devices, faces, facing_bits, checks, different, failed, .. } = self;
         let what = format!("{} on {}", counted(files.len(), "file"), counted(devices.len(), "device"));
-        let mut text = if different + failed == 0 {
+        let text = if different + failed == 0 {
             format!("\nAll equal: {what}, {faces} faces, {facing_bits} facing bits, every file byte for byte.\n")
         } else {
             let equal = checks - different - failed;
@@ -191,10 +191,7 @@ impl Report {
                 "\nNOT all equal: of {checks} checks ({what}) {equal} equal, {different} different, {failed} failed.\n"
             )
         };
-        if self.devices.iter().all(|device| device == "cpu") {
-            text += "No GPU was checked.\n";
-        }
-        text
+        text + no_gpu(self.devices.iter())
     }
 
     fn json(&self, clips_wrongly: &[String], unusable: &[String]) -> String {
@@ -218,6 +215,11 @@ impl Report {
             None => Ok(()),
         }
     }
+}
+
+/// A line that says if the CPU alone was checked.
+fn no_gpu<'a>(mut devices: impl Iterator<Item = &'a String>) -> &'static str {
+    if devices.all(|device| device == "cpu") { "No GPU was checked.\n" } else { "" }
 }
 
 fn cell(differences: &[Difference]) -> String {
@@ -313,7 +315,8 @@ fn run_built_in(args: &VerifyArgs) -> Result<(), Failure> {
         format!("{:#}\n", json!({ "equal": equal, "unusable": unusable, "devices": reports }))
     } else {
         let left_out = unusable.iter().map(|reason| format!("not checked: {reason}\n"));
-        reports.iter().map(ToString::to_string).chain(left_out).collect::<Vec<_>>().join("\n")
+        let tables = reports.iter().map(ToString::to_string).chain(left_out).collect::<Vec<_>>().join("\n");
+        tables + no_gpu(reports.iter().map(|report| &report.device))
     })?;
     match first {
         _ if wrong > 0 => Err(Failure::WrongBits { wrong }),

@@ -45,9 +45,9 @@ Examples:
   rimline view --weld position scan.obj   seams of split vertices are joined
 
 Drag a light by its handle, or elsewhere to turn. ? lists the keys, and Tab goes through
-the panel, so nothing needs a pointer. C copies the view as a line of `rimline shadow`,
-without shadows of `draw` or `lines`, which needs no window. Options of files hold for
-those that are dropped on the window, too.
+the panel, so nothing needs a pointer. C copies a command that draws the view without a
+window: `rimline shadow`, `draw` or `lines`. Options of files hold for those that are
+dropped on the window, too.
 Overlays but volumes, flat faces and a missing ground have no option there: the message
 says what of the view is not in the line.
 ";

@@ -29,7 +29,12 @@ pub(crate) enum Format {
 }
 
 #[derive(Args, Debug)]
-#[command(help_template = verbatim(EXAMPLES), after_help = REMARKS, mut_arg("weld", |weld| weld.default_value("position")))]
+#[command(
+    help_template = verbatim(EXAMPLES),
+    after_help = REMARKS,
+    mut_arg("weld", |weld| weld.default_value("position")),
+    mut_arg("time", |time| time.help("The time of the drawing in seconds, or of the first one, for animations")),
+)]
 pub(crate) struct LinesArgs {
     /// One or more .gltf, .glb, .obj, .ply, .stl or .npz files, or - for standard input. All are drawn together
     #[arg(required = true, value_name = "FILE")]
@@ -214,6 +219,9 @@ impl LinesArgs {
         }
         if self.fps.is_some() && self.pose.animations.is_empty() {
             warn("--fps", "without --animation");
+        }
+        if self.frames == Some(1) && self.turn != 0.0 {
+            warn("--turn", "on one drawing");
         }
         if self.frames.is_some_and(|frames| frames > 1) && self.turn == 0.0 && self.pose.animations.is_empty() {
             note("warning: all drawings are the same; give --animation or --turn");

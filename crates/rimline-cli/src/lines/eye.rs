@@ -8,7 +8,7 @@ use rimline_picture::Bounds;
 
 use super::args::LinesArgs;
 use crate::coordinates::{self, relative};
-use crate::failure::{EYE_AT_TARGET, Failure};
+use crate::failure::{EYE_AT_TARGET, EYE_TOO_FAR, Failure};
 use crate::output::Line;
 use crate::spec::{Side, up_of};
 
@@ -89,8 +89,11 @@ impl Eye {
         // A ball around all fits into the field of view.
         let radius = corners.iter().map(|&corner| (double(corner) - middle).length());
         let distance = radius.fold(f64::MIN_POSITIVE, f64::max) / libm::sin(f64::from(degrees).to_radians() / 2.0);
-        let eye = middle + distance / towards_eye.length() * towards_eye;
-        of(single(eye), Some(single(middle)), up)
+        let eye = single(middle + distance / towards_eye.length() * towards_eye);
+        if !eye.iter().all(|c| c.is_finite()) {
+            return Err(Failure::usage(EYE_TOO_FAR));
+        }
+        of(eye, Some(single(middle)), up)
     }
 
     /// The eye of a camera of the file. It goes around a point ahead of it, beside the middle of `bounds`.

@@ -158,7 +158,8 @@ fn tell_apart(objects: &mut [Object<'_>]) {
     }
 }
 
-/// Without faces that are not finite, as long as there are others: a warning has counted them. Polygons stay as they are.
+/// Without faces that are not finite, as long as there are others: a warning has counted them. The others are numbered anew,
+/// and so are edges. Polygons stay as they are.
 fn finite(object: Object<'static>) -> Result<Object<'static>, Failure> {
     let faces = object.mesh.faces().iter().copied().filter(|face| is_finite(&object.positions, face));
     let faces: Vec<[u32; 3]> = faces.collect();

@@ -16,10 +16,10 @@ const MARGIN_MM: f64 = 10.0;
 /// The largest drawing; more would be a wrong scale.
 const LARGEST_MM: f64 = 100_000.0;
 
-/// Lines that lie on the page, by layers.
+/// Lines that lie on the page, by layers. With `units`, `size_mm` is in the unit of the files and `mm_per_unit` is 1; pens stay
+/// in millimetres.
 pub(crate) struct Sheet {
     pub(crate) size_mm: [f64; 2],
-    /// Lengths are in millimetres, or in the unit of the files if `units` says so.
     pub(crate) mm_per_unit: f64,
     /// Units of a drawing in the unit of the files.
     pub(crate) units: Option<Units>,
@@ -201,8 +201,7 @@ impl Sheet {
         }
     }
 
-    /// A line for the user that says how much was drawn.
-    /// It is in a file, or the last of several.
+    /// A line for the user that says how much was drawn, in the first file or in all from it to the last.
     pub(crate) fn said(&self, args: &LinesArgs, is_perspective: bool, files: [&PathBuf; 2]) -> String {
         let scale = self.scale_said(args, is_perspective);
         let page = match &self.units {

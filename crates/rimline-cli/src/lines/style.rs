@@ -131,13 +131,16 @@ fn strokes(table: &Table, heading: &str) -> Result<Strokes, String> {
             }
             "dash" => {
                 let lengths: Option<Vec<f64>> = value.as_array().and_then(|all| all.iter().map(length).collect());
+                // An odd number of lengths is gone through twice, so each of them is a dash.
+                let has_dash = |all: &[f64]| all.len() % 2 == 1 || all.iter().step_by(2).any(|&dash| dash > 0.0);
                 // The sum is rounded.
-                let is_drawn = |all: &Vec<f64>| all.is_empty() || all.iter().sum::<f64>() + 1e-9 >= LEAST_DASHES;
+                let is_long = |all: &[f64]| all.iter().sum::<f64>() + 1e-9 >= LEAST_DASHES;
+                let is_drawn = |all: &[f64]| all.is_empty() || (is_long(all) && has_dash(all));
                 let lengths = lengths.filter(|all| all.len() <= 16 && is_drawn(all));
                 strokes.dash_mm = Some(lengths.ok_or_else(|| {
                     wrong(
-                        "give lengths of dashes and gaps in millimetres, such as [1.5, 0.8], at most 16, together 0.1 at least; \
-                         [] is a whole line",
+                        "give lengths of dashes and gaps in millimetres, such as [1.5, 0.8], at most 16, together 0.1 at least, \
+                         a dash above 0 among them; [] is a whole line",
                     )
                 })?);
             }
@@ -177,6 +180,7 @@ mod tests {
         assert_eq!(style.pen(LineClass::Silhouette, false, Hidden::None).width_mm, 1.0);
         assert_eq!(style.pen(LineClass::Boundary, false, Hidden::None).width_mm, 0.25);
         parse(&format!("[hidden]\ndash = {:?}", [0.01; 10])).expect("0.1 is not too short");
+        parse("[crease]\ndash = [0, 1, 2, 1]\n[hidden]\ndash = [0, 1, 0]").expect("some dashes are drawn");
     }
 
     #[test]
@@ -188,6 +192,7 @@ mod tests {
             ("[crease]\ncolor = \"#+f+f+f\"", "[crease] color: give a colour"),
             ("[hidden]\ndash = [0, 0]", "[hidden] dash: give lengths"),
             ("[hidden]\ndash = [1e-9, 1e-9]", "[hidden] dash: give lengths"),
+            ("[crease]\ndash = [0, 1, 0, 2]", "[crease] dash: give lengths"),
             ("[hidden.crease]\nwide = 1", "[hidden.crease] wide: keys are"),
             ("crease = 1", "[crease] is no table"),
             ("[crease", "line 1: "),

@@ -103,7 +103,7 @@ pub(crate) struct ShadowSceneArgs {
     #[command(flatten)]
     pub(crate) view: ViewArgs,
 
-    /// The distance of the near plane from the eye. By default it is as large as the models allow
+    /// The distance of the near plane from the eye. By default it is as large as the models allow, or that of --camera
     #[arg(long, value_name = "D", conflicts_with = "ortho", allow_hyphen_values = true, value_parser = spec::near)]
     pub(crate) near: Option<f32>,
 
@@ -201,7 +201,8 @@ Options of a light, after its SPEC:
   radius=R      the light is a sphere of this radius, with soft shadows; as --area, for this light alone
   cone=A,B      the light is a spot: full within A degrees of its direction, nothing beyond B, 90 at
                 most; not for lights at infinity
-  target=X,Y,Z  the point that a spot shines at; the middle of the models without it
+  target=X,Y,Z  the point that a spot shines at; without it a spot of the file has its direction there,
+                and others shine at the middle of the models
 
 Lights of the file have color, range and cone as KHR_lights_punctual says, unless an option changes
 them. Masks are 0 outside a cone. Intensities of these lights are measured at the middle of the
@@ -223,8 +224,8 @@ pub(crate) struct ShadowArgs {
     pub(crate) out: Option<PathBuf>,
 
     /// Also write PREFIX.<light>.png for each light: 255 is lit, 128 is background, 0 is in shadow, turned away from the
-    /// light, or outside its range or cone. Values are exact at each pixel's centre. With --area a value is 255 times the
-    /// share of samples that reach the pixel
+    /// light, or outside its range or cone. Values are exact at each pixel's centre, unless depth maps cast. Of a light with
+    /// an area a value is 255 times the share of samples that reach the pixel
     #[arg(long, value_name = "PREFIX")]
     pub(crate) mask: Option<PathBuf>,
 
@@ -249,8 +250,8 @@ pub(crate) struct ShadowArgs {
     pub(crate) from_depth: Option<u32>,
 
     /// Let the depth map in this file cast the only shadows: one that any program made, with its projection. The models
-    /// are lit from where it was seen, and receive its shadows. With one --light, which must be there, they have its
-    /// color and range. docs/formats.md has the arrays
+    /// are lit from where it was seen, and receive its shadows. One --light may be given, for its color and range; it must be
+    /// where the map was seen from. docs/formats.md has the arrays
     #[arg(
         long,
         value_name = "MAP.npz",
@@ -408,8 +409,8 @@ pub(crate) struct FilmArgs {
     pub(crate) seconds: Option<f32>,
 
     /// Lead the camera around what it looks at, by so many degrees in the whole film: 360 is once around, against the
-    /// clock from above. The camera then stands so far away that all is seen from everywhere. Without an animation, the
-    /// film lasts 4 seconds
+    /// clock from above. The camera then stands so far away that all is seen from everywhere, unless --eye or --camera says
+    /// where it is. Without an animation, the film lasts 4 seconds
     #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = spec::within(-3600.0, 3600.0))]
     pub(crate) orbit: Option<f32>,
 
@@ -450,7 +451,8 @@ Examples:
 
 const FILM_REMARKS: &str = "\
 Every file in the folder is complete. Ctrl-C keeps the finished pictures, \
-and --resume goes on from there. Lights do not move, and without --orbit the camera does not, either.
+and --resume goes on from there. Lights do not move. The camera moves with --orbit, and if --camera names one that an \
+animation moves.
 
 An earlier film in the folder is replaced: its pictures are removed as soon as the first new picture is complete. If \
 the earlier film is longer, the command refuses the folder and writes nothing: remove its pictures first.

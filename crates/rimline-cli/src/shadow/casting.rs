@@ -82,7 +82,7 @@ impl Extracted {
         Ok(())
     }
 
-    /// Where the facing masks of the body's faces lie.
+    /// Where the facing masks of the body's faces lie. The mesh must have all of them, in their order.
     pub(super) fn facing(&self, body: &PosedModel<'_>) -> FacingMasks {
         let faces = 0..body.faces.len() as u32;
         FacingMasks { slots: faces.clone().collect(), runs: vec![(faces, self.extractor.results().facing.to_vec())] }
@@ -128,8 +128,8 @@ impl Occlusion {
         Ok(Self { meshes, found })
     }
 
-    /// The faces of a file's instances that cast for a light where back-facing faces suffice, as a mesh over the file's vertices.
-    /// There is none if no face casts.
+    /// The faces of a file's instances that cast for a light, without occluded ones, as a mesh over the file's vertices. Closed
+    /// meshes cast by their back-facing faces here, others by all. There is none if no face casts.
     pub(super) fn casting(
         &self,
         bodies: &[PosedModel<'_>],

@@ -184,8 +184,8 @@ impl ShownMaps {
     }
 }
 
-/// A map's coordinates in an eye's clip space. `place` is where the map is seen from, if not from infinity; then the
-/// rays run `away`.
+/// A map's coordinates in an eye's clip space. `light_position` is where the map is seen from. `None`: from infinity, and the
+/// rays run `away`, which counts only then.
 fn depth_view(camera: &ShadowCamera, eye: &ShadowCamera, light_position: Option<DVec3>, away: DVec3) -> DepthView {
     let matrix = |camera: &ShadowCamera| Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4();
     let [origin, eye_origin] = [camera, eye].map(|camera| Vec3::from(camera.origin).as_dvec3());

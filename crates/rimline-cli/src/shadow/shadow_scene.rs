@@ -96,13 +96,13 @@ pub(crate) struct ShadowScene<'a> {
 
 impl<'a> ShadowScene<'a> {
     /// `points` are those that the camera must see, if it is not given, and all along where it is `on_orbit` about a target.
-    /// `file_light` is the light if none is given.
+    /// `map_light` is the light of the map of `--depth`, for where the command line gives none.
     pub(crate) fn new(
         args: &'a ShadowSceneArgs,
         bodies: Vec<PosedModel<'a>>,
         points: &[[f32; 3]],
         on_orbit: bool,
-        file_light: Option<Light>,
+        map_light: Option<Light>,
     ) -> Result<Self, Failure> {
         let first = &bodies[0];
         let file = &first.input.file;
@@ -112,7 +112,7 @@ impl<'a> ShadowScene<'a> {
         let view = first.input.view(&args.view, args.posed.pose.time)?;
         let given_ground = args.ground.map(|height| height.relative_to(origin.to_array()[1]));
         let stage = SceneBounds { models: bounds, ground: given_ground.unwrap_or_else(|| bounds.ground()) };
-        let shaded_lights = shaded_lights(args, (first, &view), &stage, file_light)?;
+        let shaded_lights = shaded_lights(args, (first, &view), &stage, map_light)?;
         let samples: usize = shaded_lights.iter().map(|shaded| shaded.samples.len()).sum();
         if samples > MAX_LIGHTS {
             let (lights, limit) = (shaded_lights.len(), MAX_LIGHTS);
@@ -142,13 +142,12 @@ impl<'a> ShadowScene<'a> {
             _ if view.camera.is_some() => camera.near = args.near.unwrap_or(camera.near),
             _ => camera.near = args.near.unwrap_or_else(|| near(&camera, &stage, &points, axis)),
         }
-        if camera.far.is_none() {
-            check_near(camera.near, farthest(&camera, &stage), args.near.is_some())?;
-        }
+        check_near(&camera, farthest(&camera, &stage), args.near.is_some())?;
         Ok(Self { args, bodies, stage, shaded_lights, camera, part: Part::WHOLE, reach })
     }
 
-    /// Moves everything to another posed; the camera stays.
+    /// Moves the bodies to their poses at another time. Lights and camera stay. [`Casters::set_bodies`] and [`Self::cast`] have
+    /// to follow.
     pub(crate) fn pose(&mut self, gpu: &Gpu, time_s: f32) -> Result<(), Failure> {
         self.bodies.iter_mut().try_for_each(|body| body.pose(gpu, time_s))
     }
@@ -218,7 +217,7 @@ impl<'a> ShadowScene<'a> {
         self.shaded_lights.iter_mut().for_each(|shaded| shaded.take_pattern(pattern, patterns));
     }
 
-    /// Finds what the casters need for the posed at hand, and makes them ready to be drawn.
+    /// Finds what the casters need for the pose that the bodies have, and makes them ready to be drawn.
     pub(crate) fn cast(&self, casters: &mut Casters<'_>, mut timer: Option<&mut StageTimer>) -> Result<(), GpuError> {
         let gpu = casters.gpu();
         let mut encoder = gpu.encoder("cast");
@@ -301,33 +300,36 @@ fn farthest(camera: &Camera, stage: &SceneBounds) -> f32 {
 }
 
 /// Refuses a near plane that is so near that depths lose bits: devices flush slopes of depth that are no normal numbers. One that
-/// `is_given` must not be beyond what it should show, either.
-fn check_near(near: f32, farthest: f32, is_given: bool) -> Result<(), Failure> {
+/// `is_given` must not be beyond what it should show, either. With a far plane depths are linear, and may begin anywhere before
+/// it.
+fn check_near(camera: &Camera, farthest: f32, is_given: bool) -> Result<(), Failure> {
+    let near = camera.near;
     // Slopes of depths above 2⁻¹⁰⁴ keep 22 bits.
     let least = farthest * 2.0_f32.powi(-104);
-    if is_given && near > farthest {
-        Err(Failure::usage(format!(
+    match camera.far {
+        Some(far) if near >= far => Err(Failure::usage(format!(
+            "--near {near:e} is not before the far plane of the camera, which is {far} away; give less"
+        ))),
+        _ if is_given && near > farthest => Err(Failure::usage(format!(
             "--near {near:e} is beyond the models, which end before {farthest}; give less, or the picture shows none of them"
-        )))
-    } else if near < least {
-        Err(Failure::usage(format!(
+        ))),
+        None if near < least => Err(Failure::usage(format!(
             "--near {near:e} is too near: depths of what lies {farthest} away leave the normal range of \
              32-bit floats; give {least:.1e} or more"
-        )))
-    } else {
-        Ok(())
+        ))),
+        _ => Ok(()),
     }
 }
 
 /// A little warm.
 const DEFAULT_COLOR: [f32; 3] = [1.0, 0.95, 0.87];
 
-/// The lights of the command line, or else `file_light`, or the one that is there by default.
+/// The lights of the command line, or else `map_light`, or the one that is there by default.
 fn shaded_lights(
     args: &ShadowSceneArgs,
     (first, view): (&PosedModel<'_>, &PlacedView),
     stage: &SceneBounds,
-    file_light: Option<Light>,
+    map_light: Option<Light>,
 ) -> Result<Vec<ShadedLight>, Failure> {
     let mut chosen = Vec::new();
     for spec in &args.lights {
@@ -346,7 +348,7 @@ fn shaded_lights(
         });
     }
     if shaded_lights.is_empty() {
-        let light = file_light.unwrap_or_else(|| default_light(view, stage));
+        let light = map_light.unwrap_or_else(|| default_light(view, stage));
         shaded_lights.push(ShadedLight { color: DEFAULT_COLOR, ..ShadedLight::new(light) });
     }
     // Once for every way to cast: depth maps and areas would take such a light for another.

@@ -22,7 +22,7 @@ use crate::failure::Failure;
 use crate::output::note;
 
 pub(crate) trait Shadows {
-    /// Takes the bodies with their current faces. Bodies that are there already stay.
+    /// Takes the bodies with their current faces. Later calls have the same bodies, in the same order, with the same buffers.
     fn set_bodies(&mut self, bodies: &[PosedModel<'_>]) -> Result<(), Failure>;
 
     /// Records extraction and choice for all lights. There are as many as before.
