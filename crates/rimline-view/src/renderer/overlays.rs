@@ -11,7 +11,8 @@ use super::gpu::{Gpu, granted};
 use super::models::Models;
 use super::pipelines::Pipelines;
 use crate::state::body::{Body, bits_of_clusters, bits_of_faces, non_manifold_bits};
-use crate::state::viewer::{MAX_LAMPS, Viewer};
+use crate::state::lamp::MAX_LAMPS;
+use crate::state::viewer::Viewer;
 
 /// Extractors of all models, for the lights and the eye.
 pub(super) struct Overlays {

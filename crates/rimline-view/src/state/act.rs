@@ -5,9 +5,9 @@ use rimline_picture::Mode;
 
 use super::camera::Orbit;
 use super::keys::Action;
-use super::lamp::Lamp;
+use super::lamp::{Lamp, MAX_LAMPS};
 use super::options::{COUNTINGS, SWITCHES};
-use super::viewer::{MAX_LAMPS, Message, Request, Tone, Viewer};
+use super::viewer::{Message, Request, Tone, Viewer};
 use crate::scenes;
 
 /// Degrees for each press of a key.

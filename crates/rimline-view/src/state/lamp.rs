@@ -5,8 +5,6 @@ use rimline::gltf::{SceneLight, SpotCone};
 use rimline::{AreaLight, AreaShape, Cone, Light};
 use rimline_picture::Bounds;
 
-use super::viewer::MAX_LAMPS;
-
 /// Whether a light is at a point or at infinity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LampKind {
@@ -49,6 +47,9 @@ const COLORS: [[f32; 3]; 6] = [
     [0.95, 0.48, 0.75],
     [0.75, 0.72, 1.0],
 ];
+
+/// Lights that there may be at a time.
+pub(crate) const MAX_LAMPS: usize = 8;
 
 /// Directions of as many lights as there may be, from the middle of the models: +X is right, +Y up, +Z towards the front.
 const DIRECTIONS: [Vec3; MAX_LAMPS] = [

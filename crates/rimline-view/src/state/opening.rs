@@ -5,7 +5,8 @@ use rimline_files::{File, FileError, settle};
 
 use super::body::{Body, BodyError};
 use super::event::Event;
-use super::viewer::{MAX_LAMPS, Viewer};
+use super::lamp::MAX_LAMPS;
+use super::viewer::Viewer;
 
 impl Viewer {
     /// Shows a file that was read, beside those that are shown already and relative to their origin, or says why it

@@ -13,11 +13,10 @@ use super::camera::{Camera, Orbit};
 use super::clock::Clock;
 use super::event::Event;
 use super::handle::{Drag, Handle};
-use super::lamp::{AREA_SAMPLES, Lamp};
+use super::lamp::{AREA_SAMPLES, Lamp, MAX_LAMPS};
 use super::options::Options;
 
-/// Lights that there may be at a time, and points that shine for all of them.
-pub(crate) const MAX_LAMPS: usize = 8;
+/// Points that may shine at a time, for all lights.
 pub(crate) const MAX_SOURCES: usize = MAX_LAMPS * AREA_SAMPLES;
 
 /// The last generation of all viewers.
