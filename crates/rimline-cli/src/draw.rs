@@ -3,7 +3,7 @@
 mod frame;
 mod outline_picture;
 
-use std::thread::ScopedJoinHandle;
+use std::thread::{Scope, ScopedJoinHandle};
 
 use rimline::gpu::{Extractor, ExtractorOptions, ListOptions, Use};
 use rimline::{Mesh, MeshError, wgpu};
@@ -66,7 +66,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     print(&format!("{report:#}\n"))
 }
 
-/// Draws the picture. Shaders compile on threads of their own, and each part of the picture is submitted as soon as
+/// Draws the picture. Shaders compile on threads of their own, but with OpenGL, and each part of the picture is submitted as soon as
 /// those that it needs are there: drivers compile further when shaders first run.
 fn draw(
     args: &DrawArgs,
@@ -77,8 +77,8 @@ fn draw(
 ) -> Result<Picture, Failure> {
     let factory = outline_picture::factory(gpu);
     std::thread::scope(|scope| {
-        let model_pipelines = scope.spawn(|| ModelPipelines::new(&factory));
-        let line_pipelines = scope.spawn(|| {
+        let model_pipelines = Made::by(scope, gpu, || ModelPipelines::new(&factory));
+        let line_pipelines = Made::by(scope, gpu, || {
             if scene.mesh.polygons().is_none() {
                 // A refusal of the device is reported where the pipeline is needed.
                 let _ = gpu.pipelines.warm_up(&[Use::Extraction(&options())]);
@@ -106,7 +106,7 @@ fn draw(
             let mut encoder = gpu.encoder("model");
             let (normals, buffer) = (corner_normals(&world, &drawn.faces), positions.buffer().buffer);
             let corners = (&*drawn.faces, &*normals, drawn.colors.as_deref());
-            let faces = canvas.model(&mut encoder, &joined(model_pipelines), buffer, corners);
+            let faces = canvas.model(&mut encoder, &model_pipelines.get(), buffer, corners);
             gpu.submit(encoder);
 
             let mut extractor = Extractor::new(&gpu.pipelines, outlined, options())?;
@@ -115,7 +115,7 @@ fn draw(
             gpu.submit(encoder);
 
             let mut encoder = gpu.encoder("lines");
-            let texture = canvas.lines(&mut encoder, &joined(line_pipelines), &extraction, [buffer, &faces])?;
+            let texture = canvas.lines(&mut encoder, &line_pipelines.get(), &extraction, [buffer, &faces])?;
             gpu.submit(encoder);
             Ok(texture)
         };
@@ -135,8 +135,23 @@ fn options() -> ExtractorOptions {
     }
 }
 
-fn joined<T>(thread: ScopedJoinHandle<'_, T>) -> T {
-    thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+/// What another thread makes. With OpenGL this one has made it: a thread that waits long for the context panics in wgpu.
+enum Made<'scope, T> {
+    Here(T),
+    There(ScopedJoinHandle<'scope, T>),
+}
+
+impl<'scope, T: Send + 'scope> Made<'scope, T> {
+    fn by(scope: &'scope Scope<'scope, '_>, gpu: &Gpu, make: impl FnOnce() -> T + Send + 'scope) -> Self {
+        if gpu.info.backend == wgpu::Backend::Gl { Self::Here(make()) } else { Self::There(scope.spawn(make)) }
+    }
+
+    fn get(self) -> T {
+        match self {
+            Self::Here(made) => made,
+            Self::There(thread) => thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)),
+        }
+    }
 }
 
 /// The faces that are drawn, and a base colour for each of their corners.

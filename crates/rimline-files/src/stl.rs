@@ -89,7 +89,7 @@ pub fn read(mut reader: impl BufRead + Seek, memory_limit: u64) -> Result<Arrays
 struct Triangles {
     positions: Vec<[f32; 3]>,
     limit: u64,
-    /// What positions of text are relative to.
+    /// Positions of text are relative to it.
     origin: Origin,
     /// Bounds and smallest edge of the triangles of text, in `f64`.
     bounds: Option<[[f64; 3]; 2]>,

@@ -11,7 +11,7 @@ use super::memory::any_error;
 use super::pass::{Dispatch, Step, Workgroups};
 use super::positions::bound;
 use super::requirements::{Subject, check_alive, check_device};
-use super::together::together;
+use super::together::{threads, together};
 use crate::displace::Displacement;
 use crate::gpu::shadow::format::VolumeKey;
 use crate::stages::{DEFORM, Stage};
@@ -163,14 +163,14 @@ impl Pipelines {
         self.0.compute.get(self.device(), program, || Pipeline::new(self, program, &program.wgsl()))
     }
 
-    /// Makes the pipelines of these programs that do not exist, on several threads. A pipeline that the device refuses is
-    /// not cached, so [`Self::get`] makes it again and the device reports the error there.
+    /// Makes the pipelines of these programs that do not exist, on several threads but with OpenGL. A pipeline that the
+    /// device refuses is not cached, so [`Self::get`] makes it again and the device reports the error there.
     pub(crate) fn make_together(&self, programs: &[Program]) {
         let missing = programs.iter().filter(|program| !self.0.compute.has(program));
         let mut missing: Vec<_> = missing.map(|program| (program, program.wgsl())).collect();
         // The longest sources first: a long compilation that began last would keep the others waiting.
         missing.sort_by_key(|(_, wgsl)| Reverse(wgsl.len()));
-        together(&missing, |(program, wgsl)| {
+        together(threads(self.device()), &missing, |(program, wgsl)| {
             self.0.compute.fill(self.device(), *program, || Pipeline::new(self, program, wgsl));
         });
     }
@@ -182,7 +182,8 @@ impl Pipelines {
         make: impl Fn(&VolumeKey) -> wgpu::RenderPipeline + wgpu::WasmNotSync,
     ) {
         let missing: Vec<_> = keys.iter().filter(|key| !self.0.volumes.has(key)).collect();
-        together(&missing, |key| self.0.volumes.fill(self.device(), *key, || make(key)));
+        let threads = threads(self.device());
+        together(threads, &missing, |key| self.0.volumes.fill(self.device(), *key, || make(key)));
     }
 
     /// A pipeline that draws volumes. `make` makes it if it does not exist.

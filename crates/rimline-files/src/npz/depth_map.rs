@@ -33,7 +33,7 @@ pub struct DepthMapArrays {
     pub depths: Depths,
     /// For each map the rows of its matrix, from positions less the origin to clip space.
     pub view_projections: Vec<[[f64; 4]; 4]>,
-    /// As the file has it; it may be infinite or NaN.
+    /// Not checked: it may be infinite or NaN.
     pub origin: [f64; 3],
     /// Whether near is 1 and far is 0.
     pub is_reversed: bool,
