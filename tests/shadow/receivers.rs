@@ -17,7 +17,8 @@ use rimline_testkit::textures::sampled;
 pub(crate) const TESTS: &[Test] =
     &[("receivers_are_those_of_their_depths", pyramid), ("lists_for_known_receivers_are_kept", versions)];
 
-/// Depths of samples at random, of which a share in percent is the sky's, one of -0 with standard depth, and a texture of them.
+/// Depths of samples at random, of which a share in percent is the sky's, and a texture of them. Where there are several, one
+/// is -0 with standard depth.
 fn written(
     gpu: &Gpu,
     [width, height]: [u32; 2],
@@ -29,7 +30,9 @@ fn written(
     let mut one = |_| if random.below(100) < share_of_sky as usize { sky } else { nearest * random.between(0.0, 0.5) };
     let mut depths: Vec<f32> = (0..width * height * samples).map(&mut one).collect();
     // With standard depth -0 is the nearest depth, as 0 is.
-    if let Some(first) = depths.first_mut().filter(|_| sky == 1.0) {
+    if let [first, _, ..] = &mut depths[..]
+        && sky == 1.0
+    {
         *first = -0.0;
     }
     let texture = sampled(gpu, [width, height], (wgpu::TextureFormat::Depth32Float, samples), &depths)?;
