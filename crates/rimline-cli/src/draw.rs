@@ -66,8 +66,8 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     print(&format!("{report:#}\n"))
 }
 
-/// Draws the picture. Shaders compile on threads of their own, but with OpenGL, and each part of the picture is submitted as soon as
-/// those that it needs are there: drivers compile further when shaders first run.
+/// Draws the picture. Shaders compile on threads of their own, but with OpenGL, and each part of the picture is submitted as
+/// soon as those that it needs are there: drivers compile further when shaders first run.
 fn draw(
     args: &DrawArgs,
     gpu: &Gpu,
@@ -135,7 +135,8 @@ fn options() -> ExtractorOptions {
     }
 }
 
-/// What another thread makes. With OpenGL this one has made it: a thread that waits long for the context panics in wgpu.
+/// A value that another thread makes. With OpenGL this one has made it: a thread that waits long for the context panics in
+/// wgpu.
 enum Made<'scope, T> {
     Here(T),
     There(ScopedJoinHandle<'scope, T>),
