@@ -28,7 +28,7 @@ struct Extracted {
     mesh: Mesh,
     non_manifold: wgpu::Buffer,
     exact: wgpu::Buffer,
-    /// Made for the pose in which they are first shown, and kept while any edges are.
+    /// Made for the pose in which they were switched on. `None` while they are off.
     clusters: Option<wgpu::Buffer>,
 }
 
@@ -155,6 +155,9 @@ impl Extracted {
     /// Finds the edges of faces that `lights` leave to exact arithmetic, and those between clusters, where they are shown.
     fn mark(&mut self, gpu: &Gpu, viewer: &Viewer, body: &Body, lights: &[Light]) -> Result<(), RenderError> {
         let shown = viewer.options.overlays;
+        if !shown.clusters {
+            self.clusters = None;
+        }
         let needs_clusters = shown.clusters && self.clusters.is_none();
         if !shown.exact && !needs_clusters {
             return Ok(());

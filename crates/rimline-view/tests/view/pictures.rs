@@ -13,7 +13,7 @@ use rimline_view::{
 
 use crate::support::{Outcome, block, drag, finish, gpu, handle, hold, on_ground, picture, rest, say, viewer};
 
-pub(crate) const TESTS: [Test; 15] = [
+pub(crate) const TESTS: [Test; 16] = [
     ("a light dragged moves its shadow to where rays say", a_light_dragged_moves_its_shadow),
     ("a light with an area has soft shadows", soft_shadows),
     ("a spot lights a circle that is dragged", spots),
@@ -24,6 +24,7 @@ pub(crate) const TESTS: [Test; 15] = [
     ("a model that nothing seen needs is left out, if that is wanted", casters_that_are_not_needed),
     ("every overlay and mode changes the picture and nothing fails", overlays_change_the_picture),
     ("creases are drawn where faces meet at an edge", creases),
+    ("clusters are those of the pose in which they are switched on again", clusters_anew),
     ("cameras of the file are looked through", cameras),
     ("models have their base colours, or are of clay", base_colors),
     ("built-in scenes are drawn in every moment", scenes_are_drawn),
@@ -378,6 +379,20 @@ fn creases() -> Outcome {
     hold((30..4000).contains(&changed), format!("creases change {changed} pixels"))?;
     viewer.handle(Event::Acted(Action::Creases));
     hold(picture(&viewer, &mut renderer)? == before, "creases did not go back")
+}
+
+fn clusters_anew() -> Outcome {
+    let (mut viewer, mut renderer) = viewer(scenes::walking_figure, [240, 160])?;
+    // The other edges stay.
+    viewer.handle(Event::Acted(Action::Silhouettes));
+    for _ in 0..2 {
+        viewer.handle(Event::Acted(Action::Clusters));
+        picture(&viewer, &mut renderer)?;
+    }
+    viewer.clock.seconds = 0.4 * viewer.duration();
+    viewer.handle(Event::Acted(Action::Clusters));
+    let expected = picture(&viewer, &mut Renderer::new(gpu()?).map_err(say)?)?;
+    hold(picture(&viewer, &mut renderer)? == expected, "clusters are those of the pose before")
 }
 
 /// A block with cameras.
