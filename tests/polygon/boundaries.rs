@@ -239,7 +239,7 @@ fn boundaries_of_many_corners_take_no_time() {
 
 /// A plate with many holes: each hole's winding number leaves out edges beside its line.
 #[test]
-fn boundaries_of_many_holes_take_no_time() {
+fn boundaries_of_many_holes() {
     const SIDE: usize = 40;
     let hole = |at: usize| {
         let (x, y) = ((at % SIDE) as f32, (at / SIDE) as f32);

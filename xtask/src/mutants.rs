@@ -14,7 +14,7 @@ use crate::test::BENCH;
 const TIME_LIMIT: Duration = Duration::from_secs(20 * 60);
 
 /// Tries all mutations, or those whose names have `only` in them, and writes `target/mutants.txt`. A quick run ends the
-/// tests of each mutation at the first failure, and trusts that none fails without a mutation.
+/// tests of each mutation at the first failure, and then runs those that failed without a mutation.
 pub(crate) fn run(only: Option<&str>, is_quick: bool) -> Result<(), String> {
     let mut mutations = all()?;
     mutations.retain(|mutation| only.is_none_or(|only| mutation.name.contains(only)));
@@ -56,6 +56,9 @@ pub(crate) fn run(only: Option<&str>, is_quick: bool) -> Result<(), String> {
             part = shown((!is_quick).then_some(&*tests), &columns) + "\n";
             // Written after each, because a whole run takes hours.
             write(&process::target().join("mutants.txt"), format!("{report}{part}"))?;
+        }
+        if is_quick {
+            pass_without(&copies, &columns)?;
         }
         println!("\n{part}");
         report += &part;
@@ -261,6 +264,20 @@ fn described(outcome: &Outcome) -> String {
         Ok(failed) => format!("killed by {}", failed.len()),
         Err(why) => format!("NOT TRIED, {why}"),
     }
+}
+
+/// Runs each test that noticed a mutation without one, where it must pass.
+fn pass_without(copies: &[WorkingCopy; 2], columns: &[(&Mutation, Outcome)]) -> Result<(), String> {
+    let mut noticing = BTreeSet::new();
+    for (mutation, outcome) in columns {
+        noticing.extend(outcome.iter().flatten().map(|test| (mutation.is_shader(), test)));
+    }
+    for (is_shader, test) in noticing.into_iter().filter(|(_, (_, name))| !name.starts_with('(')) {
+        let mut command = copies[usize::from(!is_shader)].cargo(test.0);
+        process::output(command.args(["--", "--exact", &test.1]))
+            .map_err(|_| format!("without a mutation, this test fails, too: {}", named(test)))?;
+    }
+    Ok(())
 }
 
 /// A test as the report has it.

@@ -1,4 +1,4 @@
-//! Statements of a file of text, such as an OBJ: lines, joined where they end in a backslash unless each is to be a statement.
+//! Statements of a file of text, such as an OBJ: lines, joined where they end in a backslash.
 //! A line ends in LF, CR LF or CR.
 
 use std::io::{self, BufRead, ErrorKind};
@@ -7,8 +7,8 @@ use std::io::{self, BufRead, ErrorKind};
 pub(crate) struct Statements<R> {
     reader: R,
     text: Vec<u8>,
-    /// Whether a backslash at the end of a line joins it with the next one.
-    joins_lines: bool,
+    /// Whether a backslash at the end of a line joins it with the next one even without a blank before it.
+    joins_words: bool,
     /// Lines read so far.
     count: usize,
     /// Whether the last line was read, and has no end. It is a statement all the same.
@@ -34,12 +34,12 @@ pub(crate) enum Next<'a> {
 
 impl<R: BufRead> Statements<R> {
     pub(crate) fn new(reader: R) -> Self {
-        Self { reader, text: Vec::new(), joins_lines: true, count: 0, is_cut: false }
+        Self { reader, text: Vec::new(), joins_words: true, count: 0, is_cut: false }
     }
 
-    /// Each line is a statement, even where it ends in a backslash, as the name of a folder may.
-    pub(crate) fn of_lines(reader: R) -> Self {
-        Self { joins_lines: false, ..Self::new(reader) }
+    /// Lines are joined only where a blank stands before the backslash: the name of a folder may end in one, too.
+    pub(crate) fn with_folders(reader: R) -> Self {
+        Self { joins_words: false, ..Self::new(reader) }
     }
 
     /// The next statement, of at most `most` bytes with the end of its line.
@@ -61,7 +61,12 @@ impl<R: BufRead> Statements<R> {
             // Only what is new is searched, since a statement may go on for a million lines.
             is_comment |= self.text.get(start..).is_some_and(|new| new.contains(&b'#'));
             // Comments do not go on: one may end in a folder's name, such as `C:\models\`.
-            if self.text.last() != Some(&b'\\') || is_comment || !self.joins_lines {
+            let goes_on = match &self.text[..] {
+                [.., b' ' | b'\t', b'\\'] => true,
+                [.., b'\\'] => self.joins_words,
+                _ => false,
+            };
+            if !goes_on || is_comment {
                 return Ok(Next::Statement(Statement { line, text: &self.text }));
             }
             if let Some(last) = self.text.last_mut() {
@@ -133,10 +138,11 @@ impl<'a> Statement<'a> {
         self.words_of(self.text.split(|&byte| byte == b'#').next().unwrap_or_default())
     }
 
-    /// The words behind the first one, which are a name. Names may have a `#`, as `Material #25` has. Only one that is a
-    /// word begins a comment.
+    /// The words behind the first one, which are a name. Names may have a `#`, as `Material #25` has: one that begins a word
+    /// begins a comment only if no digit follows.
     pub(crate) fn name(&self) -> impl Iterator<Item = &'a [u8]> + use<'a> {
-        self.words_of(self.text).skip(1).take_while(|word| *word != b"#")
+        let is_named = |word: &&[u8]| word.first() != Some(&b'#') || word.get(1).is_some_and(u8::is_ascii_digit);
+        self.words_of(self.text).skip(1).take_while(is_named)
     }
 
     fn words_of(&self, text: &'a [u8]) -> impl Iterator<Item = &'a [u8]> + use<'a> {

@@ -101,7 +101,7 @@ impl<'a> Materials<'a> {
     /// # Errors
     /// An error of the reader.
     pub fn parse(&mut self, reader: impl BufRead) -> io::Result<()> {
-        let (mut lines, mut name) = (Statements::of_lines(reader), None);
+        let (mut lines, mut name) = (Statements::with_folders(reader), None);
         while let Next::Statement(statement) = lines.next(MAX_BYTES)? {
             let mut words = statement.words();
             match words.next() {
@@ -236,10 +236,10 @@ mod tests {
     #[test]
     fn a_name_may_have_a_number_sign() -> Result<(), Box<dyn Error>> {
         let folder = tempfile::tempdir()?;
-        let materials = "newmtl Material #1\nKd 1 0 0\nmap_Kd C:\\maps\\\nnewmtl Material #2 # grey\nKd .5\n";
+        let materials = "newmtl Material #1 #red\nKd 1 \\\n0 0\nmap_Kd C:\\maps\\\nnewmtl Material #2 # grey\nKd .5\n";
         std::fs::write(folder.path().join("a #2.mtl"), materials)?;
         let vertices = "mtllib a #2.mtl # b.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n";
-        let text = format!("{vertices}usemtl Material #1\nf 1 2 3\nusemtl Material #2\nf 3 2 1 # 4\n");
+        let text = format!("{vertices}usemtl Material #1\nf 1 2 3\nusemtl Material #2 #grey\nf 3 2 1 # 4\n");
         let file = model(folder.path(), &text, Polygons::Triangles)?;
         assert!(file.color_notes().is_empty(), "{:?}", file.color_notes());
         assert_eq!(file.colors(0).and_then(|colors| colors.faces.clone()), Some(vec![RED, [GREY; 3]]));

@@ -42,7 +42,8 @@ pub struct PoseInputs<'a> {
     /// The time in seconds, for the displacement.
     pub time_s: f32,
     /// The displacement's bind group, of the layout that [`DeformerOptions::displacement_layout`] had. What it binds
-    /// may change before each encode, so a scene keeps nothing that was computed from the positions.
+    /// may change before each encode, so a scene keeps nothing that was computed from the positions. The deformer holds the
+    /// last one.
     pub resources: Option<&'a wgpu::BindGroup>,
     /// The most by which the displacement moves any coordinate of a vertex, for scenes. Infinity, as in [`Self::new`]:
     /// nothing is known, so every frame needs all instances. Without a displacement it has no effect.
@@ -89,7 +90,8 @@ pub enum DeformError {
     #[error("the device refuses the displacement with the layout given: {message}")]
     Pipeline { message: String },
     /// The device cannot use the bind group of the displacement. For example it has another layout than the deformer was
-    /// made with, or is of another device. A buffer of it that was destroyed is wgpu's error when the encoder is submitted.
+    /// made with, or is of another device. A buffer of it that is destroyed later is wgpu's error when
+    /// an encoder is finished or submitted.
     #[error(
         "the device refuses the displacement's bind group; make it with `DeformerOptions::displacement_layout`: {message}"
     )]

@@ -92,8 +92,7 @@ impl RoundingModels {
         self.flush(rounded)
     }
 
-    /// x / y, of numbers that are not negative. It may be off by 2.5 units in the last place, so a step more than rounding
-    /// takes is allowed.
+    /// x / y, of numbers that are not negative. It may be off by 2.5 units in the last place.
     pub(crate) fn quotient(&mut self, x: f32, y: f32, effect: f64) -> f32 {
         let (x, y) = (self.flush(x), self.flush(y));
         if x == 0.0 {
@@ -102,7 +101,11 @@ impl RoundingModels {
         let exact = f64::from(x) / f64::from(y);
         let [below, above] = neighbours(exact);
         let is_up = self.rounds_up(exact, above, effect);
-        self.flush(if is_up { above.next_up() } else { below.next_down() })
+        let beyond = |near: f32| if is_up { near.next_up() } else { near.next_down() };
+        let once = beyond(if is_up { above } else { below });
+        let unit = f64::from((exact as f32).next_up()) - f64::from(exact as f32);
+        let is_allowed = |found: f32| (f64::from(found) - exact).abs() <= 2.5 * unit;
+        self.flush(if is_allowed(beyond(once)) { beyond(once) } else { once })
     }
 
     pub(crate) fn sum(&mut self, x: f32, y: f32, effect: f64) -> f32 {

@@ -144,7 +144,7 @@ impl DepthsFound {
     /// of noise: each bounds a volume as long as the shadow.
     pub(crate) fn warn_if_busy(&self, progress: &Progress) -> Option<String> {
         let (drawn, cells) = self.busy()?;
-        if !self.takes_every {
+        if self.is_noise() {
             progress.aside(|| {
                 note(&format!(
                     "warning: {drawn} of the {cells} cells of the depth maps hold a border of the shadow, as if they were \
@@ -154,6 +154,11 @@ impl DepthsFound {
             });
         }
         Some(format!("drawing {drawn} borders of shadow, which takes long"))
+    }
+
+    /// Whether so many borders are found that the maps seem to be noise.
+    fn is_noise(&self) -> bool {
+        !self.takes_every && self.busy().is_some()
     }
 
     /// The numbers of drawn cells or walls, and of all cells, if drawing takes long.
@@ -357,7 +362,9 @@ mod tests {
         assert_eq!(found(1, 1000, 500, 512).busy(), None);
         for (maps, cells) in [(1, 4097 * 4097), (6, 6 * 4095 * 4095)] {
             for (capacity, drawn) in [(16_000_000, 12_000_000), (500_000, cells)] {
-                assert_eq!(found(maps, 12_000_000, capacity, 4096).busy(), Some((drawn, cells)));
+                let found = found(maps, 12_000_000, capacity, 4096);
+                assert_eq!(found.busy(), Some((drawn, cells)));
+                assert!(found.is_noise() && !DepthsFound { takes_every: true, ..found }.is_noise());
             }
         }
     }

@@ -1,6 +1,8 @@
 //! Edges over the picture: silhouettes, volumes, boundaries. They have extractions of their own.
 
-use rimline::gpu::{Extraction, Extractor, ExtractorOptions, Outline, OutlineInputs, OutlineSource, OutlineStyle};
+use rimline::gpu::{
+    Extraction, Extractor, ExtractorOptions, ListOptions, Outline, OutlineInputs, OutlineSource, OutlineStyle,
+};
 use rimline::internals::facing::undecided_faces;
 use rimline::{Light, Mesh, ShadowCamera};
 use rimline_picture::{Resources, VolumeOverlay, filled};
@@ -41,7 +43,9 @@ const SILHOUETTE: [f32; 4] = [0.04, 0.05, 0.07, 1.0];
 
 impl Overlays {
     pub(super) fn new(gpu: &Gpu, viewer: &Viewer) -> Result<Self, RenderError> {
-        let options = ExtractorOptions { max_lights: MAX_LAMPS + 1, ..ExtractorOptions::default() };
+        // Where soft lines join, their order decides the last bits of the picture.
+        let lists = Some(ListOptions { ordered: true, ..ListOptions::default() });
+        let options = ExtractorOptions { max_lights: MAX_LAMPS + 1, lists, ..ExtractorOptions::default() };
         let mut bodies = Vec::with_capacity(viewer.bodies.len());
         for body in &viewer.bodies {
             let failed = |error: &dyn ToString| RenderError::overlays(&body.name, error);
