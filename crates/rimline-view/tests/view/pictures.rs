@@ -383,6 +383,8 @@ fn creases() -> Outcome {
 
 fn clusters_anew() -> Outcome {
     let (mut viewer, mut renderer) = viewer(scenes::walking_figure, [240, 160])?;
+    // Volumes of a renderer's first frame end elsewhere than later ones, so a pixel at a border may differ.
+    viewer.options.shadows = false;
     // The other edges stay.
     viewer.handle(Event::Acted(Action::Silhouettes));
     for _ in 0..2 {
