@@ -153,6 +153,8 @@ fn viewers_in_turn() -> Outcome {
 
 fn models_of_a_caller() -> Outcome {
     let (mut viewer, mut renderer) = viewer(scenes::moebius, [120, 80])?;
+    // Volumes of a renderer's first frame end elsewhere than later ones, so a pixel at a border may differ.
+    viewer.options.shadows = false;
     viewer.handle(Event::Acted(Action::Silhouettes));
     let before = picture(&viewer, &mut renderer)?;
     viewer.bodies.extend(scenes::still_life().map_err(say)?);
