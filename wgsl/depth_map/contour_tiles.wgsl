@@ -3,8 +3,8 @@
 // one workgroup.
 // Reads `marks`. Writes the list into `counts`, for `contour_crossings`, `contour_walls` and the near cap of `depth_walls`.
 // Writes into `workgroups` the arguments of the indirect dispatches of `contour_crossings` and `contour_walls_trace`.
-// The list has each tile with a marked edge in it or on its border. It is sorted, because `depth_walls` searches it by
-// bisection.
+// The list has each tile with a marked edge in it or on its border. It is sorted, so walls are in the same order on every
+// device, and `depth_walls` searches it by bisection.
 
 #import depth_map/contour
 #import depth_map/contour_rim
@@ -25,16 +25,16 @@
 const BLOCK: u32 = 256u;
 // Tiles of a workgroup of `contour_crossings`, which has BLOCK invocations, too, one for each row of a tile.
 const TILES_PER_CROSSINGS_WORKGROUP: u32 = BLOCK / u32(TILE);
-// Tiles of a workgroup of `contour_walls_trace`. Loops of an invocation have up to some 25,000 iterations a tile, and may
-// have 65,535 (src/turns.rs). WALKER_TILES and TILE_NODES in crates/rimline-testkit/src/turns/bounds.rs count on it.
+// Tiles of a workgroup of `contour_walls_trace`. Loops of an invocation have up to some 25,000 iterations a tile, and
+// llvmpipe ends them after 65,535 (src/turns.rs). Bounds of turns are stated for two tiles, in contour_walls.wgsl and by
+// WALKER_TILES and TILE_NODES in crates/rimline-testkit/src/turns/bounds.rs: change them together.
 const TILES_PER_WALLS_WORKGROUP: u32 = 2u;
-// The device's limit for workgroups of a dispatch, across and down. Workgroups loop over tiles where there are too few of
-// them.
+// The device's limit for workgroups of a dispatch, across and down. Where tiles need more workgroups, these loop over tiles.
 override MAX_WORKGROUPS: u32 = 65535u;
 
 // A word has the marks of the 16 samples of a tile in a row, in pairs: the lower bit for the edge to the right, the upper
 // for the edge down. Edges on the tile's right border go down from the first sample of the next word (mask 2). Edges on its
-// lower border go to the right from samples of the row below (0x55555555). The lattice has `size` + 2 samples.
+// lower border go to the right from samples of the row below (0x55555555). The lattice has `size` + 2 samples a side.
 @compute @workgroup_size(BLOCK)
 fn contour_tiles_find(
   @builtin(workgroup_id) workgroup: vec3<u32>,
