@@ -1,15 +1,19 @@
 // Stage `shadow_masks`: full-screen draws that turn the stencil counts of a scene's volumes into masks, for renderers
-// without a stencil. `SceneFrame::write_masks` records them. `mask_whole` is the vertex shader of all.
-// * `mask_depth` copies the caller's depth before the volumes are drawn. The copy is exact where the format has room.
-// * `mask_bit` adds the bit of a light where the stencil is not 0, after its volumes. The pipeline blends by addition.
-// * `mask_byte`, `mask_word` write 8 or 32 of the bits to the target, from sample 0.
+// without a stencil. `SceneFrame::write_masks` records them, for 32 lights at a time. `mask_whole` is the vertex shader
+// of all.
+// * `mask_depth` copies the caller's depth before the volumes are drawn. The copy is exact in `Depth32FloatStencil8`, but
+//   for subnormal depths. In 24 bits it may be off by a unit, even if the caller's depth has 24 bits.
+// * `mask_bit` adds the bit of a light where the stencil is not 0, once, after its volumes. The pipeline blends by
+//   addition and sets the stencil to 0.
+// * `mask_byte`, `mask_word` write 8 or 32 of the bits to the target, from sample 0. `mask_word` needs four channels.
 // * `mask_share` writes the share of the samples that have the bit of a light.
-// * `mask_dark_bit`, `mask_dark` write bit or share of a single light directly to the target, with the same stencil test.
+// * `mask_dark_bit`, `mask_dark` write bit or share of a single light directly to the target, with the same stencil test,
+//   if the depth has one sample.
 // The variant SAMPLES is for multisampled textures, where each sample has depth, stencil and bits of its own.
 // docs/numerics/rasterisers.md, "Copied depth".
 
-// The depth for `mask_depth`, else the bits, 8 lights a channel. Depth is read as floats, because OpenGL loads no texels of
-// depth textures.
+// The depth for `mask_depth`; for `mask_bits` the bits, 8 lights a channel. Other draws do not read it. Depth is bound as
+// floats, because naga writes no loads of depth textures for OpenGL.
 #if SAMPLES
 @group(0) @binding(0) var mask_source: texture_multisampled_2d<f32>;
 
@@ -22,7 +26,8 @@ fn mask_samples() -> u32 { return 1u; }
 
 struct MaskVertex {
   @builtin(position) clip: vec4<f32>,
-  // The instance index. For `mask_bit` and `mask_share` it is the bit of a light, for `mask_byte` the index of 8 lights.
+  // The instance index, within 32 lights. For `mask_bit` and `mask_share` it is the bit of a light, for `mask_byte` the
+  // index of 8 lights.
   @location(0) @interpolate(flat) index: u32,
 }
 

@@ -79,10 +79,12 @@ fn list_face_chunk(chunk: u32, decision: Decision) {
   atomicStore(&work[entry], chunk);
   atomicStore(&work[entry + 1u], decision.decided);
   atomicStore(&work[entry + 2u], decision.facing);
-  atomicStore(
-    &work[entry + 3u],
-    select(indices_of_lights(active_mask & ~decision.decided), 0xffffffffu, decision.decided == 0u),
-  );
+  // Most casters have no clusters. Then no light is decided, and the loop over lights would be wasted.
+  var tested_lights = 0xffffffffu;
+  if (decision.decided != 0u) {
+    tested_lights = indices_of_lights(active_mask & ~decision.decided);
+  }
+  atomicStore(&work[entry + 3u], tested_lights);
   if ((active_mask & ~decision.decided) != 0u) {
     atomicAdd(&statistics.faces, face_count(chunk));
   } else {

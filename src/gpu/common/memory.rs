@@ -89,7 +89,7 @@ pub(crate) fn filled(
     let buffer = mapped(device, label, contents.len() as u64, usage);
     // This fails only if the buffer could not be made. The error scope around it reports that, and the next encode
     // reports that the device is lost.
-    write_mapped(&buffer, contents);
+    write_mapped(&buffer, &[contents]);
     buffer
 }
 
@@ -104,11 +104,22 @@ pub(crate) fn mapped(
     device.create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: true })
 }
 
-/// Writes the beginning of a mapped buffer and unmaps it. Contents are whole words. Returns whether the buffer was mapped;
-/// no buffer of a lost device is.
-pub(crate) fn write_mapped(buffer: &wgpu::Buffer, contents: &[u8]) -> bool {
-    match buffer.slice(..contents.len() as u64).get_mapped_range_mut() {
-        Ok(mut view) => view.copy_from_slice(contents),
+/// The usage of a buffer that is written once, to copy from. Without `MAP_WRITE` wgpu maps another buffer, which it copies
+/// to this one at the next submission.
+pub(crate) const STAGING: wgpu::BufferUsages = wgpu::BufferUsages::COPY_SRC.union(wgpu::BufferUsages::MAP_WRITE);
+
+/// Writes `contents`, one after the other, to the beginning of a mapped buffer, and unmaps it. Each is of whole words.
+/// Returns whether the buffer was mapped; no buffer of a lost device is.
+pub(crate) fn write_mapped(buffer: &wgpu::Buffer, contents: &[&[u8]]) -> bool {
+    let bytes: usize = contents.iter().map(|part| part.len()).sum();
+    match buffer.slice(..bytes as u64).get_mapped_range_mut() {
+        Ok(mut view) => {
+            let mut at = 0;
+            for part in contents {
+                view.slice(at..at + part.len()).copy_from_slice(part);
+                at += part.len();
+            }
+        }
         Err(_) => return false,
     }
     buffer.unmap();

@@ -2,7 +2,7 @@
 
 use super::bindings::{READ, entries};
 use super::device_error::DeviceError;
-use super::memory::{any_error, buffer, mapped, scoped, write_mapped};
+use super::memory::{STAGING, any_error, buffer, mapped, scoped, write_mapped};
 use super::timer::StageTimer;
 
 /// A group of stages with equal requirements.
@@ -144,9 +144,9 @@ pub(crate) fn check_sample_shading(device: &wgpu::Device, subject: Subject) -> R
 /// Refuses a device that was lost or destroyed. wgpu calls only the caller's callback, but no buffer of a lost device
 /// can be mapped. In a browser it can be mapped, so a lost device is not noticed there.
 pub(crate) fn check_alive(device: &wgpu::Device) -> Result<(), DeviceError> {
-    let make = || mapped(device, "alive", 4, wgpu::BufferUsages::COPY_SRC);
+    let make = || mapped(device, "alive", 4, STAGING);
     let buffer = any_error(device, make).map_err(|message| DeviceError::Refused { message })?;
-    if write_mapped(&buffer, &[0; 4]) { Ok(()) } else { Err(DeviceError::Lost) }
+    if write_mapped(&buffer, &[&[0; 4]]) { Ok(()) } else { Err(DeviceError::Lost) }
 }
 
 /// Refuses a timer of another device.

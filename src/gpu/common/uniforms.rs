@@ -3,7 +3,7 @@
 use bytemuck::Pod;
 
 use super::device_error::DeviceError;
-use super::memory::{any_error, filled, mapped, write_mapped};
+use super::memory::{STAGING, any_error, filled, mapped, write_mapped};
 
 /// The alignment of dynamic offsets of uniforms. It works on every device.
 const ALIGNMENT: usize = 256;
@@ -49,8 +49,9 @@ pub(crate) fn upload(
     if targets.is_empty() {
         return Ok(());
     }
-    let contents = targets.iter().map(|(_, contents)| *contents).collect::<Vec<_>>().concat();
-    let make = || mapped(device, "upload", contents.len() as u64, wgpu::BufferUsages::COPY_SRC);
+    let contents: Vec<&[u8]> = targets.iter().map(|(_, contents)| *contents).collect();
+    let bytes: usize = contents.iter().map(|part| part.len()).sum();
+    let make = || mapped(device, "upload", bytes as u64, STAGING);
     let staging = any_error(device, make).map_err(|message| DeviceError::Refused { message })?;
     if !write_mapped(&staging, &contents) {
         return Err(DeviceError::Lost);

@@ -62,10 +62,13 @@ impl Scene {
             let (to, bytes) = (4 * u64::from(needed_states_offset), 4 * self.deforming.len() as u64);
             encoder.copy_buffer_to_buffer(&words, 0, &structure.buffers.work, to, bytes);
         }
-        record(self.steps.iter().chain(&receiver_steps), encoder, 0..1, timer.as_deref_mut());
-        if let Some(volumes) = &volumes {
-            volumes.stages.record(encoder, structure.buffers.batches, timer);
-        }
+        // All clears come first, because each one between stages ends a compute pass.
+        let stages = volumes.as_ref().map(|volumes| &volumes.stages);
+        let clears = stages.into_iter().flat_map(|stages| &stages.clears);
+        let volume_steps = stages.into_iter().flat_map(|stages| &stages.steps);
+        let steps = clears.chain(&self.steps).chain(&receiver_steps).chain(volume_steps);
+        let batches = structure.buffers.batches;
+        record(steps.filter(|_| batches > 0), encoder, 0..batches, timer);
         Ok(self.finish(structure, volumes, views))
     }
 

@@ -298,7 +298,7 @@ fn table_buffer(device: &wgpu::Device, table: &Table, bytes: u64) -> Result<wgpu
     check(&[Allocation { label, bytes }], device.limits().max_buffer_size, None)?;
     let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
     let buffer = guarded(device, bytes, || mapped(device, label, bytes, usage))?;
-    let is_written = write_mapped(&buffer, bytemuck::cast_slice(&table.parts));
+    let is_written = write_mapped(&buffer, &[bytemuck::cast_slice(&table.parts)]);
     if is_written { Ok(buffer) } else { Err(DeviceError::Lost.into()) }
 }
 

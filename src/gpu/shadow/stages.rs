@@ -9,9 +9,8 @@ use super::pipelines::{Layouts, Part, PartDraw, VolumePipelines, layouts};
 use super::sizes::{PartSizes, VolumeSizes};
 use crate::gpu::common::bindings::{Resource, part, uniform, whole};
 use crate::gpu::common::dispatch_limits::{is_software, loops};
-use crate::gpu::common::pass::{Dispatch, Step, Workgroups, record};
+use crate::gpu::common::pass::{Dispatch, Step, Workgroups};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines, Program, group};
-use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::UniformTable;
 use crate::gpu::scene::options::SceneOptions;
 use crate::layout::{
@@ -91,7 +90,10 @@ struct PartGroups {
 /// The stages and draws of the volumes of some casters, with everything bound.
 #[derive(Debug)]
 pub(crate) struct VolumeStages {
-    steps: Vec<Step>,
+    /// The clears before the first stage. The extraction has no part in what they clear.
+    pub(crate) clears: Vec<Step>,
+    /// The stages, for after the extraction. A dispatch has the batch of its lights.
+    pub(crate) steps: Vec<Step>,
     /// For each group one for each batch of lights.
     parts: Vec<PartGroups>,
 }
@@ -102,17 +104,8 @@ impl VolumeStages {
         let most = pipelines.device().limits().max_compute_workgroups_per_dimension;
         let SizedBuffers { sizes, of, .. } = buffers;
         let binder = Binder { pipelines, device: pipelines.device(), sizes, buffers: of, source, most };
-        let mut steps = buffers.clears();
-        if !sizes.parts.is_empty() {
-            steps.extend(binder.steps());
-        }
-        Self { steps, parts: binder.draws() }
-    }
-
-    /// Records the stages for the first `batches` batches of lights, after their extraction.
-    pub(crate) fn record(&self, encoder: &mut wgpu::CommandEncoder, batches: usize, timer: Option<&mut StageTimer>) {
-        let steps = self.steps.iter().filter(|_| batches > 0);
-        record(steps, encoder, 0..batches, timer);
+        let steps = if sizes.parts.is_empty() { Vec::new() } else { binder.steps() };
+        Self { clears: buffers.clears(), steps, parts: binder.draws() }
     }
 
     /// Draws the shadow volumes of a light in a view, for a batch of casters. Which parts there are is in the arguments.

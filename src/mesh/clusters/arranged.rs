@@ -78,7 +78,8 @@ fn gather<T: Copy + Default + Send + Sync>(items: &[T], indices: &[u32], threads
 fn words(clusters: &Clusters, edge_faces: &[[u32; 2]], threads: Threads) -> Vec<u32> {
     let mut chunks: Vec<_> = edge_faces.chunks(CHUNK as usize).collect();
     // For each range of chunks the rule and the number of clusters of each, then the clusters.
-    let ranges = threads.share(&mut chunks, |_, chunks| {
+    // The records of 64 chunks are enough for a thread.
+    let ranges = threads.share_runs_of(64, &mut chunks, |_, chunks| {
         let (mut rules, mut all, mut indices) = (Vec::with_capacity(chunks.len()), Vec::new(), Vec::new());
         for records in chunks {
             let rule = clusters_of(records, &mut indices);
