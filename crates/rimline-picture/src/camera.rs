@@ -54,6 +54,19 @@ impl Camera {
         wanted.min(most).max(1e-6 * nearest.max(least))
     }
 
+    /// The same camera, if it is orthographic with a far plane no farther than needed: depth is coarse where that plane is
+    /// far beyond all that is seen. `beyond`: how far behind the models, and behind the ground below their middle, anything
+    /// is seen, in extents of the models.
+    #[must_use]
+    pub fn with_nearer_far_plane(&self, bounds: &SceneBounds, beyond: f32) -> Self {
+        let models = bounds.models;
+        let ahead = |point: Vec3| (point - self.eye).dot(self.forward);
+        let under = ahead(models.centre().with_y(bounds.ground));
+        let farthest = models.corners().map(ahead).into_iter().fold(under.max(0.0), f32::max);
+        let end = (farthest + beyond * models.extent()).max(2.0 * self.near);
+        Self { far: self.far.map(|far| far.min(end)), ..*self }
+    }
+
     /// The eye as a light, at infinity for an orthographic camera.
     pub fn eye_light(&self) -> Light {
         self.far.map_or(Light::point(self.eye.into()), |_| Light::directional((-self.forward).into()))
@@ -103,6 +116,25 @@ mod tests {
                     assert!(eye.y + near * ray.y > 0.0, "{fov}°, {down}° down, {aside}° aside: {near}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn a_far_plane_is_no_farther_than_what_is_seen() {
+        let bounds = SceneBounds { models: Bounds { min: Vec3::NEG_ONE, max: Vec3::ONE }, ground: -20.0 };
+        for (near, far, forward, expected) in [
+            (0.5, 12.0, Vec3::NEG_Z, 12.0),
+            (0.5, 1e9, Vec3::NEG_Z, 15.0),
+            (0.5, 1e9, Vec3::NEG_Y, 24.0),
+            // It looks away.
+            (0.0, f32::MAX, Vec3::Z, 4.0),
+            (7.0, 1e9, Vec3::Z, 14.0),
+        ] {
+            let (eye, right, up) = (Vec3::new(0.0, 0.0, 10.0), Vec3::X, Vec3::X.cross(forward));
+            let camera = Camera { eye, right, up, forward, scale: [1.0; 2], near, far: Some(far) };
+            let found = camera.with_nearer_far_plane(&bounds, 2.0);
+            assert_eq!(found, Camera { far: Some(expected), ..camera });
+            assert_eq!(found.shadow_camera().check(), Ok(()));
         }
     }
 }
