@@ -114,12 +114,13 @@ fn depths() -> Result<(), String> {
 
 /// Polygons of random corners. Their triangles lie across each other, so a pair may have hundreds of one polygon
 /// between, over several groups and dispatches. On whole numbers many of these are undecided, and more than a pair may
-/// note. Last, many triangles beside polygons, so that a dispatch of few pairs is full.
+/// note. The first case has two batches of lights. The last has many triangles beside polygons, so that a dispatch of few
+/// pairs is full.
 fn tangled() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut random = Random::new(235);
     let mut most = 0;
-    for (corners, grid, small) in [(1000, 0, 0), (1500, 9, 0), (400, 5, 3), (600, 0, 35_000)] {
+    for (corners, grid, small, lights) in [(1000, 0, 0, 40), (1500, 9, 0, 3), (400, 5, 3, 3), (600, 0, 35_000, 3)] {
         let mut set = PolygonSet::default();
         let mut point = || match grid {
             0 => random.direction().map(|c| 1.5 * c),
@@ -136,8 +137,9 @@ fn tangled() -> Result<(), String> {
         set.push_points(&[second]);
         let points = if grid == 0 { ring(8) } else { (0..8).map(|at| [at as f32 / 2.0 - 2.0, -4.0, 0.5]).collect() };
         let mesh = set.mesh(Weld::Position).map_err(text)?;
-        let lights =
-            vec![Light::directional([0.0, 1.0, 0.0]), Light::point([0.5, 9.0, 0.5]), Light::point([0.25, 0.5, 0.125])];
+        let three =
+            [Light::directional([0.0, 1.0, 0.0]), Light::point([0.5, 9.0, 0.5]), Light::point([0.25, 0.5, 0.125])];
+        let lights = three.into_iter().cycle().take(lights).collect();
         let case = DepthCase { set, mesh, points, lights };
         let on_face = no_faces(&case);
         let right = expected(&case, &on_face)?;

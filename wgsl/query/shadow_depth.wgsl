@@ -2,10 +2,11 @@
 // after `shadow_boxes` for each range of points, batch of up to 32 lights and range of clusters; an invocation a pair of
 // point and light. It adds the faces that f32 decides within its error bounds to `depths`, the counts that the caller reads.
 // Up to three others are stored for `exact_shadow_depth`, which runs next. A pair with more counts nothing of this range; it
-// is listed, in any order, for `depth_arguments` and `exact_shadow_depth_recount`. Counts are exact, the same on every
-// device and on the CPU, so bounds must not shrink. The triangles of a polygon follow each other and count 1 and -1
-// alternately: an odd number counts once. Ranges of clusters run one after another. A polygon that continues after a range
-// passes on its parity, in `state`, or in `face_0` if the pair was listed. A point that is not finite has the count -1.
+// is listed, in any order, for `depth_arguments` and `exact_shadow_depth_recount`. After these, counts are exact, the same
+// on every device and on the CPU, so bounds must not shrink. The triangles of a polygon follow each other, and those between
+// count 1 and -1 alternately: an odd number counts once. The ranges of clusters of a binding run one after another, all
+// before the next batch: a polygon that continues after a range leaves its parity with the pair, in `state`, or in `face_0`
+// if the pair was listed. A point that is not finite has the count -1.
 // Claim: docs/numerics/query.md.
 
 #import common/determinant
@@ -25,7 +26,7 @@ var<private> is_undecided_odd: vec3<bool>;
 var<private> current_polygon: u32;
 var<private> is_current_odd: bool;
 
-// Makes the polygon of a face the current one. If it was another, no triangle of it lies between so far.
+// Makes the polygon of a face the current one. The parity begins anew if another polygon was current.
 fn enter_polygon(face: u32) {
   let polygon = polygon_of(face);
   is_current_odd = is_current_odd && polygon == current_polygon;
@@ -45,7 +46,7 @@ fn store_undecided(face: u32) {
   undecided++;
 }
 
-// The change of the count for a face that lies between: 1, or -1 after an odd number of triangles of the same polygon. It
+// The change of the count for a face that lies between: 1, or -1 if an odd number of triangles of its polygon did before. It
 // ignores undecided triangles: exact_shadow_depth.wgsl adds the changes due to these.
 fn count_change(face: u32) -> i32 {
   if (!POLYGONS) {
@@ -58,14 +59,14 @@ fn count_change(face: u32) -> i32 {
   return change;
 }
 
-// Counts the faces of a cluster that f32 decides to lie between, and stores undecided ones.
+// The change of the count for the faces of a cluster that f32 decides to lie between. Stores undecided ones.
 fn count_cluster(segment: Segment, cluster: u32) -> i32 {
   let low = clusters[cluster].low;
   let high = clusters[cluster].high;
   if (misses_box(segment, low, high)) {
     return 0;
   }
-  // One bound for all edges, because the box contains them all.
+  // One bound for all edges of faces that can count, because the box contains these. Others are never between.
   let to_low = bitcast<vec3<f32>>(low.xyz) - segment.p;
   let to_high = bitcast<vec3<f32>>(high.xyz) - segment.p;
   let edge = sum_of_sizes(bitcast<vec3<f32>>(high.xyz) - bitcast<vec3<f32>>(low.xyz));
@@ -123,7 +124,7 @@ fn list_pair(pair: u32) {
   undecided_pairs.pairs[index].recount = pair;
 }
 
-// Whether, of the polygon that continues from earlier ranges into this one, an odd number of triangles lie between so far.
+// Whether a polygon continues from earlier ranges into this one, and an odd number of its triangles lie between so far.
 fn is_odd_before(pair: u32) -> bool {
   let polygon = polygon_of(CLUSTER * range.first);
   if (range.before == range.first || polygon == CLUSTER * range.first) {

@@ -7,7 +7,7 @@ use std::thread::{Scope, ScopedJoinHandle};
 
 use rimline::gpu::{Extractor, ExtractorOptions, ListOptions, Use};
 use rimline::{Mesh, MeshError, wgpu};
-use rimline_picture::{Bounds, Camera, corner_normals};
+use rimline_picture::{Bounds, Camera, SceneBounds, corner_normals};
 use serde_json::json;
 
 use crate::args::DrawArgs;
@@ -192,7 +192,12 @@ fn bounds_and_camera(
     let bounds = Bounds::of(points.clone()).ok_or_else(|| Failure::input(file, none))?;
     check_bounds(&bounds).map_err(|error| Failure::input(file, error))?;
     let view = posed.input.view(&args.view, posed.time_s())?;
-    let camera = camera(&view, elevation(ELEVATION, &bounds), &bounds, points)?;
+    let mut camera = camera(&view, elevation(ELEVATION, &bounds), &bounds, points)?;
+    if view.camera.is_some() {
+        // The ground has less than an extent around the model.
+        let stage = SceneBounds { models: bounds, ground: bounds.min.y };
+        camera = camera.with_nearer_far_plane(&stage, 1.0);
+    }
     Ok((bounds, camera))
 }
 

@@ -284,6 +284,7 @@ impl ShadowQuery {
                     let batch_offset = batch as u32 * UniformTable::stride::<LightBatch>() as u32;
                     let chunk_offset = tables.chunk_offset(batch, points_at);
                     let all = Workgroups::Known([workgroups(chunk.len() as u64 * lights.len() as u64), 1]);
+                    // Innermost, because each leaves parities of polygons to the next, pair by pair.
                     for &range in ranges {
                         let offsets = vec![batch_offset, chunk_offset, range];
                         let (one, of_range) = (Workgroups::Known([1, 1]), vec![range]);

@@ -26,6 +26,8 @@ use crate::spec::{AreaSpec, ShadedLightSpec};
 
 /// Degrees that the eye is above the models by default: enough to see shadows on the ground.
 const ELEVATION: f64 = 24.0;
+/// The ground has faded before it is so many extents away from below the models: at 3.3 · 1.1 · 60 at most ([`reach`]).
+const FADED: f32 = 300.0;
 
 pub(crate) struct ShadowInputs {
     pub(crate) inputs: Vec<Input>,
@@ -143,6 +145,9 @@ impl<'a> ShadowScene<'a> {
             _ => camera.near = args.near.unwrap_or_else(|| near(&camera, &stage, &points, axis)),
         }
         check_near(&camera, farthest(&camera, &stage), args.near.is_some())?;
+        if view.camera.is_some() {
+            camera = camera.with_nearer_far_plane(&stage, FADED);
+        }
         Ok(Self { args, bodies, stage, shaded_lights, camera, part: Part::WHOLE, reach })
     }
 
@@ -156,7 +161,8 @@ impl<'a> ShadowScene<'a> {
     pub(crate) fn camera_at(&self, time_s: f32) -> Result<Option<Camera>, Failure> {
         let camera = self.bodies[0].input.camera(&self.args.view.camera, time_s)?;
         let camera = camera.map(|camera| of_file(&camera, self.args.view.size));
-        Ok(camera.map(|camera| Camera { near: self.args.near.unwrap_or(camera.near), ..camera }))
+        let with_near = |camera: Camera| Camera { near: self.args.near.unwrap_or(camera.near), ..camera };
+        Ok(camera.map(|camera| with_near(camera).with_nearer_far_plane(&self.stage, FADED)))
     }
 
     /// A point of the vertical line that a camera on an orbit goes around: what it looks at.
