@@ -63,12 +63,12 @@ impl Scene {
             encoder.copy_buffer_to_buffer(&words, 0, &structure.buffers.work, to, bytes);
         }
         // All clears come first, because each one between stages ends a compute pass.
-        let stages = volumes.as_ref().map(|volumes| &volumes.stages);
+        let batches = structure.buffers.batches;
+        let stages = volumes.as_ref().filter(|_| batches > 0).map(|volumes| &volumes.stages);
         let clears = stages.into_iter().flat_map(|stages| &stages.clears);
         let volume_steps = stages.into_iter().flat_map(|stages| &stages.steps);
         let steps = clears.chain(&self.steps).chain(&receiver_steps).chain(volume_steps);
-        let batches = structure.buffers.batches;
-        record(steps.filter(|_| batches > 0), encoder, 0..batches, timer);
+        record(steps, encoder, 0..batches.max(1), timer);
         Ok(self.finish(structure, volumes, views))
     }
 
