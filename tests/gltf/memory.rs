@@ -35,6 +35,7 @@ fn main() {
         Trial::test("the_limit_is_exact", exact),
         Trial::test("the_estimate_is_close_and_comes_before_the_data", estimates),
         Trial::test("buffers_that_name_one_file", one_file_many_times),
+        Trial::test("long_texts", long_texts),
         Trial::test("a_sparse_file_of_a_terabyte", hole),
         Trial::test("zeros_that_no_machine_holds", no_room),
         Trial::test("the_smallest_edge_takes_no_more_than_the_mesh", smallest_edge),
@@ -331,6 +332,24 @@ fn names_of_lights() -> Maker {
     let node = json!({ "extensions": { "KHR_lights_punctual": { "light": 0 } } });
     maker.json["nodes"] = json!(vec![node; 1000]);
     maker
+}
+
+/// Texts that the loader copies: URIs in a folder with a long path, one that is no UTF-8 once decoded, one that leads
+/// outside, and a key in the path of a fault.
+fn long_texts() -> Outcome {
+    let name = "d".repeat(2000);
+    let folder = Some(Path::new(&name));
+    let buffer = |uri: String| with(Maker::new(), "", "buffers", json!([{ "uri": uri, "byteLength": 1 }]));
+    let key = format!("{}Texture", "k".repeat(1_000_000));
+    let texture = with(Maker::new(), "", "materials", json!([{ key: { "index": "x" } }]));
+    let outside = buffer(format!("../{}", "a".repeat(1_000_000)));
+    let cases = [
+        (repeated("images", json!({ "uri": "%41" })), folder),
+        (buffer("%FF".repeat(333_333)), folder),
+        (outside, None),
+        (texture, None),
+    ];
+    cases.iter().try_for_each(|(maker, base)| within_limits(maker.json.to_string().as_bytes(), *base, 64))
 }
 
 fn one_file_many_times() -> Outcome {
