@@ -14,7 +14,7 @@ use super::args::LinesArgs;
 use super::eye::{self, Eye};
 use super::sheet::{self, Extent};
 use crate::coincident::is_finite;
-use crate::failure::{Failure, NO_FINITE_FACE};
+use crate::failure::{EYE_TOO_FAR, Failure, NO_FINITE_FACE};
 use crate::input::{Input, Shape};
 use crate::output::Progress;
 
@@ -65,7 +65,9 @@ impl<'a> Motion<'a> {
         let refused = |error: LinesError| refused(&args.files[0], error);
         let camera = inputs[0].camera(&args.camera, time_s(args, frame))?;
         let eye = camera.map_or(Ok(*still), |camera| Eye::of_camera(&camera, bounds)).map_err(refused)?;
-        eye.turned(f64::from(args.turn) * f64::from(frame) / f64::from(*frames)).map_err(refused)
+        let degrees = f64::from(args.turn) * f64::from(frame) / f64::from(*frames);
+        // An eye that sees a page still does when it is turned, if numbers can say where it is.
+        eye.turned(degrees).map_err(|_| Failure::usage(EYE_TOO_FAR))
     }
 
     /// The part of the page that all drawings take.
