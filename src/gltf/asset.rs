@@ -268,7 +268,7 @@ impl<'a> Header<'a> {
         budget.charge_json(json)?;
         let value: Value = serde_json::from_slice(json).map_err(|error| GltfError::Json(Arc::new(error)))?;
         let document = parse::document(&value, budget, &warnings)?;
-        let named_files = files::named(&value, source.beside.folder());
+        let named_files = files::named(&value, source.beside.folder(), budget)?;
         drop(value);
         let graph = Graph::new(&document, &warnings)?;
         estimate::check(&document, &graph, files, budget)?;

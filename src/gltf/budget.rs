@@ -48,7 +48,7 @@ const FACE: u64 = 12;
 /// Bytes for a position of a morph target.
 const OFFSET: u64 = 12;
 /// Bytes for a vertex during welding, beside those before and after: two lists of groups, the remaining vertices, and
-/// their new indices. The table of groups is not larger than the last two, and is freed before.
+/// their new indices. The table of groups is not larger than the last two and the new positions, and is freed before.
 const WELDING: u64 = 4 + 4 + 8 + 4;
 /// Bytes for a face, and for a vertex, of all instances: `Mesh` with its edge records during construction. The most of a
 /// face are the mesh's copy, the mates of its half-edges and three boundary records.

@@ -204,7 +204,11 @@ fn bytes<'a>(
             budget.charge_file(bytes.capacity() as u64, &json_path)?;
             Cow::Owned(bytes)
         }
-        Some(uri) => Cow::Owned(beside.read(uri, &json_path, buffer.bytes, budget)?),
+        Some(uri) => {
+            // The path, decoded in a list that doubles, and an error that quotes it.
+            budget.charge(uri.len() as u64, 4, &json_path)?;
+            Cow::Owned(beside.read(uri, &json_path, buffer.bytes, budget)?)
+        }
         None => match binary.filter(|_| index == 0) {
             Some(binary) => Cow::Borrowed(binary),
             None => return Ok(None),
@@ -238,8 +242,8 @@ fn data_uri(uri: &str) -> Result<Vec<u8>, &'static str> {
 
 /// All files that a glTF names, in no order: buffers, images, and what extensions name by a `uri`. They need not exist.
 /// Absolute URIs count as names.
-pub(super) fn named(json: &Value, base: Option<&Path>) -> Vec<PathBuf> {
-    let Some(base) = base else { return Vec::new() };
+pub(super) fn named(json: &Value, base: Option<&Path>, budget: &Budget) -> Result<Vec<PathBuf>, GltfError> {
+    let Some(base) = base else { return Ok(Vec::new()) };
     let (mut files, mut rest) = (Vec::new(), vec![json]);
     while let Some(value) = rest.pop() {
         match value {
@@ -247,25 +251,29 @@ pub(super) fn named(json: &Value, base: Option<&Path>) -> Vec<PathBuf> {
             Value::Object(object) => {
                 rest.extend(object.values());
                 if let Some(Value::String(uri)) = object.get("uri") {
-                    add(&mut files, uri, base);
+                    add(&mut files, uri, base, budget)?;
                 }
             }
             _ => {}
         }
     }
-    files
+    Ok(files)
 }
 
-fn add(files: &mut Vec<PathBuf>, uri: &str, base: &Path) {
+fn add(files: &mut Vec<PathBuf>, uri: &str, base: &Path, budget: &Budget) -> Result<(), GltfError> {
     if is_data(uri) {
-        return;
+        return Ok(());
     }
+    // Two paths and the decoded URI, in lists that double.
+    let longest = base.as_os_str().len() + uri.len();
+    budget.charge(longest as u64, 8, &|| "the files that the JSON names".to_owned())?;
     let decoded = percent_decode_str(uri).decode_utf8_lossy();
     // Some exporters write names as they are, with percent signs.
     if decoded != uri {
         files.push(base.join(uri));
     }
     files.push(base.join(&*decoded));
+    Ok(())
 }
 
 #[cfg(test)]
@@ -279,9 +287,10 @@ mod tests {
                 "extensions": {"X": {"sounds": [{"uri": "../d.mp3"}]}}, "extras": {"uri": 5}}"#,
         )
         .expect("it is JSON");
-        let mut files = named(&json, Some(Path::new("m")));
+        let budget = Budget::new(u64::MAX);
+        let mut files = named(&json, Some(Path::new("m")), &budget).expect("no limit");
         files.sort();
         assert_eq!(files, ["m/../d.mp3", "m/a.bin", "m/b c.png", "m/b%20c.png"].map(PathBuf::from));
-        assert!(named(&json, None).is_empty());
+        assert!(named(&json, None, &budget).expect("no limit").is_empty());
     }
 }

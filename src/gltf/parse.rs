@@ -105,7 +105,8 @@ fn walk(value: &Value, path: &mut String, in_texture: bool) -> Result<(), GltfEr
         path.truncate(length);
     }
     for (key, item) in value.as_object().into_iter().flatten().filter(|(key, _)| *key != "extras") {
-        let _ = write!(path, ".{key}");
+        // A key may be as long as the file.
+        let _ = write!(path, ".{key:.60}");
         if in_texture && key == "index" && whole(item).is_none() {
             return Err(wrong(path.clone(), INDEX, item));
         }

@@ -14,7 +14,7 @@ fn links_and_paths_lead_somewhere() {
         let links = links(text).into_iter().map(|link| broken_link(&link, document));
         let missing =
             |path: String| (!root().join(&path).exists()).then(|| format!("`{path}` is not in the repository"));
-        links.chain(paths(text).into_iter().map(missing)).collect()
+        links.chain(paths(text).into_iter().map(missing)).chain(commands(text)).collect()
     });
 }
 
@@ -32,6 +32,9 @@ fn broken_links_are_noticed() {
                 [d](https://d.example) `wgsl/SUBJECT/NAME.wgsl` `src/lib.rs::item` <img src=\"docs/e.png\">";
     assert_eq!(links(text), ["x.md", "docs/b.png", "docs/e.png"]);
     assert_eq!(paths(text), ["src/lib.rs"]);
+    let text = "`cargo test --test docs`, `cargo xtask test --long doc\n  all`, `--long` or `cargo xtask web --test`";
+    assert_eq!(commands(text), [None, Some("there is no target `doc`".to_owned())]);
+    assert!(commands("`RIMLINE_LONG=1 cargo test --test docs`")[0].is_some());
 }
 
 /// Paths in comments of the code, from the root or from the folder of the crate, exist.
@@ -167,6 +170,25 @@ fn paths(text: &str) -> Vec<String> {
     let prose = prose(text);
     let quoted = prose.split('`').skip(1).step_by(2);
     quoted.filter(|code| code.chars().all(is_plain) && is_path(code)).map(str::to_owned).collect()
+}
+
+/// An entry for each target that a command of a text names, and for each command that has a better one.
+fn commands(text: &str) -> Vec<Option<String>> {
+    let folders = [vec![root().to_owned()], entries(&root().join("crates")), entries(&root().join("benches"))].concat();
+    let manifests = folders.iter().map(|folder| folder.join("Cargo.toml")).filter(|file| file.exists());
+    let manifests: Vec<String> = manifests.map(|file| read(&file)).collect();
+    let is_there = |target: &str| manifests.iter().any(|text| text.contains(&format!("\nname = \"{target}\"\n")));
+    let words: Vec<&str> = text.split(|c: char| c.is_whitespace() || "`,;)".contains(c)).collect();
+    let mut found = Vec::new();
+    for pair in words.windows(2).filter(|pair| ["--test", "--bench", "--long"].contains(&pair[0])) {
+        let target = pair[1];
+        if !target.is_empty() && !target.chars().all(|c| c.is_ascii_uppercase()) {
+            found.push((!is_there(target)).then(|| format!("there is no target `{target}`")));
+        }
+    }
+    let by_hand =
+        text.matches("RIMLINE_LONG=").map(|_| Some("long trials run by `cargo xtask test --long`".to_owned()));
+    by_hand.chain(found).collect()
 }
 
 /// Paths of files in the comments of a source.

@@ -1,13 +1,14 @@
 // Vertex shaders of caps, the faces that close shadow volumes, in the caller's render pass. The indirect draws of
-// `shadow_arguments` have an instance for each entry of a list of `caps`. If the two lists of a range overflowed, each face
-// slot of the group has an instance, and the shader decides whether it is drawn. The first three read the lists of light and
-// dark caps, the others those of near caps.
+// `shadow_arguments` have an instance for each entry of a list of `caps`. If the two lists of a range overflowed, the draw of
+// each that is not empty has an instance for each face slot of the group, and the shader decides whether it is drawn. Casters
+// of other count batches are never drawn. The first three read the lists of light and dark caps, the others those of near
+// caps. `seen_light_cap` is a strip of four vertices, `near_cap` one of five; the others are lists of triangles.
 // * `light_cap`, `dark_cap`: a face, and the same face at the far end of the volume. z-fail draws both. If volumes may end
 //   at the range, z-pass draws dark caps of those that end. Volumes that ZP+ counts do not end.
 // * `seen_light_cap`: the light cap of a caster that is not in the depth buffer, for z-pass and ZP+.
 // * `near_cap`: the part of a face between light and near plane, projected from the light onto that plane. ZP+ draws it.
 // * `zp_plus_2005_cap`: the near cap of ZP+ as published in 2005.
-// Corners keep the order of the face, so that light caps have the depths of the surface. docs/numerics/shadow-volumes.md.
+// Corners keep the order of the face, so that `light_cap` has the depths of the surface. docs/numerics/shadow-volumes.md.
 
 #import common/casters
 #import shadow/caster
@@ -33,12 +34,12 @@ struct CapInstance {
   corners: vec3<u32>, // Vertex indices.
   caster: u32,
   view: ShadowView,
-  light: ShadowLight,
+  light: ShadowLight, // It has the choices for the caster only if `load_cap` needs them.
 }
 
 // The cap of an instance in the draw of list CAP_KIND. If the lists overflowed, it repeats the tests of `caps` but one:
-// near caps of faces outside the pyramid of light and near rectangle are drawn, too. They lie outside the picture or have no
-// area.
+// if a caster has near caps, those of its faces outside the pyramid of light and near rectangle are drawn, too. They lie
+// outside the picture or have no area.
 fn load_cap(instance: u32) -> CapInstance {
   let bit = draw.light - draw.first_light;
   let first_kind = CAP_KIND & FAR_CAPS;
@@ -55,7 +56,7 @@ fn load_cap(instance: u32) -> CapInstance {
   let range = face_range(result.caster);
   let face = range.z + slot - range.x;
   result.corners = vec3<u32>(faces[3u * face], faces[3u * face + 1u], faces[3u * face + 2u]);
-  // If none holds, the volume has no end, and the draws of listed caps do not read the counting method.
+  // If none holds, the volume has no end, and the draws of listed caps do not read the other choices.
   if (is_overflowed || has_measures() || shape.proxies != 0u) {
     result.light = with_stored_choices(result.caster, result.light, draw.light, draw.view);
   }

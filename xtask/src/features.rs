@@ -11,7 +11,7 @@ const OF_THE_COMMAND: [&str; 8] =
 const OF_CHARTS: [&str; 4] = ["resvg", "epaint_default_fonts", "egui", "winit"];
 
 /// Choices of the library's features.
-const FEATURES: [&str; 5] = ["", "gltf", "gpu", "gltf,gpu", "default"];
+const FEATURES: [&str; 6] = ["", "gltf", "gpu", "gltf,gpu", "depth-map", "default"];
 
 pub(crate) fn add(summary: &mut Summary) {
     let of_library = |arguments: &[&str]| tree("rimline", arguments);
@@ -73,7 +73,36 @@ fn has_none(packages: &[&str], tree: Result<String, String>) -> Result<(), Strin
 
 #[cfg(test)]
 mod tests {
-    use super::{OF_THE_COMMAND, has_none, naga_has_back_end};
+    use std::collections::{BTreeMap, BTreeSet};
+
+    use super::{FEATURES, OF_THE_COMMAND, has_none, naga_has_back_end};
+
+    /// Each choice of the library's features that differs from the others in what is compiled.
+    #[test]
+    fn every_choice_of_features_is_built() {
+        let manifest = include_str!("../../Cargo.toml");
+        let section = manifest.split("\n[features]\n").nth(1).and_then(|rest| rest.split("\n[").next());
+        let lines = section.expect("there are features").lines().filter_map(|line| line.split_once(" = "));
+        let names = |list: &'static str| list.split('"').skip(1).step_by(2).filter(|name| !name.starts_with("dep:"));
+        let implied: BTreeMap<&str, Vec<&str>> = lines.map(|(name, list)| (name, names(list).collect())).collect();
+        let compiled = |mut left: Vec<&'static str>| {
+            let mut all = BTreeSet::new();
+            while let Some(name) = left.pop() {
+                if all.insert(name) {
+                    left.extend(&implied[name]);
+                }
+            }
+            all.remove("default");
+            all
+        };
+        let built = FEATURES.map(|features| compiled(features.split(',').filter(|name| !name.is_empty()).collect()));
+        for choice in 0..1_u32 << implied.len() {
+            let chosen = (0_u32..).zip(implied.keys()).filter(|&(bit, _)| choice >> bit & 1 == 1);
+            let chosen = compiled(chosen.map(|(_, name)| *name).collect());
+            assert!(built.contains(&chosen), "{chosen:?}");
+        }
+        assert_eq!(built.iter().collect::<BTreeSet<_>>().len(), built.len(), "a choice is built twice");
+    }
 
     #[test]
     fn a_naga_without_a_back_end_is_found() {

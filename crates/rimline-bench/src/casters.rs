@@ -208,8 +208,8 @@ pub(crate) fn measure(
     Ok(Row { section: Section::Casters, scene, title: mesh.counted(casters), group, facts, entries })
 }
 
-/// Measures a scene of one caster of about so many faces against an extractor, which does less: a scene also finds the faces
-/// that have a light in their plane.
+/// Measures a scene of one caster of about so many faces against an extractor that finds the same, faces with a light in their
+/// plane included. A scene has clusters of large meshes; an extractor has none.
 pub(crate) fn measure_one_mesh(
     rounds: Rounds,
     devices: &mut Devices<'_>,
@@ -221,7 +221,7 @@ pub(crate) fn measure_one_mesh(
     let gpu = devices.stages.gpu;
     let Shape { positions, faces } = setting.casters.merged();
     let (mesh, faces) = (Mesh::from_faces(positions.len(), faces)?, setting.casters.faces());
-    let options = ExtractorOptions { max_lights: LIGHTS, ..ExtractorOptions::default() };
+    let options = ExtractorOptions { max_lights: LIGHTS, for_volumes: true, ..ExtractorOptions::default() };
     let mut other = ExtractorRecorder::new(gpu, options, &mesh, &positions, &setting.lights)?;
     let stages_of = |encoder: &mut _, _: Until<'_>, timer: Option<&mut _>| other.encode(encoder, timer);
     let (mut entries, scene_edges) =

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use clap::builder::NonEmptyStringValueParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 #[cfg(not(feature = "bench"))]
@@ -323,7 +324,7 @@ pub(crate) struct VerifyArgs {
     /// The devices to check: `all` (every GPU, and the CPU), `gpu` (every GPU), `cpu`, or a part of their name or backend
     /// (`rimline devices` lists them). With --make: the one device that computes the files, not `all` [default: all; with
     /// --built-in: gpu; with --make: cpu]
-    #[arg(long, value_name = "all|gpu|cpu|NAME")]
+    #[arg(long, value_name = "all|gpu|cpu|NAME", value_parser = NonEmptyStringValueParser::new())]
     pub(crate) device: Option<String>,
 
     /// Print JSON instead of text

@@ -15,7 +15,7 @@ use rimline_bench::{
 };
 use rimline_files::Polygons;
 
-use crate::device::{self, Device, Gpu, Wanted};
+use crate::device::{self, Device, Gpu, GpuError, Wanted};
 use crate::failure::Failure;
 use crate::files::{self, Inputs, check_ending, check_folder};
 use crate::film;
@@ -130,8 +130,13 @@ fn adapter(gpu: &Gpu, measured: &Measured) -> Result<Adapter, Error> {
 }
 
 fn failure(error: Error, gpu: Option<&Gpu>) -> Failure {
+    // Meshes that the CPU takes were measured there.
+    let of_gpu = |error: GpuError, gpu: &Gpu| error.on(&Gpu { cpu_would_do: false, ..gpu.clone() });
     match (error, gpu) {
         (Error::Stopped, _) => Failure::Interrupted,
+        (Error::Deform(error), Some(gpu)) => of_gpu(error.into(), gpu),
+        (Error::Extractor(error), Some(gpu)) => of_gpu(error.into(), gpu),
+        (Error::Shadow(error), Some(gpu)) => of_gpu(error.into(), gpu),
         (error, Some(gpu)) => gpu.check().err().unwrap_or_else(|| gpu.failed(&error.to_string())),
         (error, None) => Failure::DeviceLost { adapter: "cpu".to_owned(), message: error.to_string() },
     }

@@ -422,6 +422,9 @@ impl GpuError {
                 | ExtractorError::BoundaryTooLarge { .. }
                 | ExtractorError::PolygonTooLarge { .. },
             )
+            | Self::Shadow(ShadowError::Extraction(
+                ExtractorError::BoundaryTooLarge { .. } | ExtractorError::PolygonTooLarge { .. },
+            ))
             | Self::DepthMap(DepthMapError::Texture { .. }) => self.too_small(gpu),
             _ if self.memory().is_some() => self.too_small(gpu),
             _ => gpu.failed(&self.to_string()),
@@ -455,7 +458,7 @@ impl GpuError {
     fn reason(&self) -> String {
         let of_scene =
             if let Self::Shadow(_) = self { "; it may fit with fewer instances, joined to fewer meshes" } else { "" };
-        if let Self::Extractor(error) = self
+        if let Self::Extractor(error) | Self::Shadow(ShadowError::Extraction(error)) = self
             && let Some(reason) = of_polygons(error)
         {
             return reason;

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::builder::{NonEmptyStringValueParser, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use rimline::Origin;
 use rimline::gltf::SceneCamera;
@@ -116,8 +116,13 @@ pub(crate) struct DeviceArgs {
     /// Where to compute: `auto` (a GPU if there is one that is no software and takes the model, else the CPU, which is
     /// faster than software GPUs), `gpu` (any GPU, software GPUs included), `cpu`, or a part of a device's name or
     /// backend (`rimline devices` lists them)
-    #[arg(long, value_name = "auto|gpu|cpu|NAME", default_value = "auto")]
+    #[arg(long, value_name = "auto|gpu|cpu|NAME", default_value = "auto", value_parser = device())]
     pub(crate) device: Wanted,
+}
+
+/// Reads which device is asked for. A part of its name that is empty would fit all.
+pub(crate) fn device() -> impl TypedValueParser<Value = Wanted> {
+    NonEmptyStringValueParser::new().map(|name| Wanted::from(&*name))
 }
 
 /// A help text with examples and tables as they are. clap breaks the lines of every other text, which would make examples

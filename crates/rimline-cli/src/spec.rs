@@ -54,10 +54,8 @@ fn checked<T>(value: T, is_right: bool, why: impl Into<String>) -> Result<T, Str
 /// origin.
 pub(crate) fn light(text: &str) -> Result<LightSpec, String> {
     let unknown = |kind: &str| {
-        format!(
-            "there is no kind of light `{kind}`; write point:x,y,z, dir:x,y,z, hom:x,y,z,w, file:NAME, file:INDEX or \
-             file:all"
-        )
+        let wrong = unknown_word("kind of light", kind);
+        format!("{wrong}; write point:x,y,z, dir:x,y,z, hom:x,y,z,w, file:NAME, file:INDEX or file:all")
     };
     let (kind, rest) = text.split_once(':').ok_or_else(|| unknown(text))?;
     let with = |[x, y, z]: [Coordinate; 3], w: f32| [x, y, z, Coordinate { single: w, double: w.into() }];
@@ -191,7 +189,10 @@ pub(crate) fn area(text: &str) -> Result<AreaSpec, String> {
         }
         "disc" => AreaShape::Disc { radius: radius()? },
         "sphere" => AreaShape::Sphere { radius: radius()? },
-        _ => return Err(format!("there is no shape `{text}`; write rect, rect:W,H, disc, disc:R, sphere or sphere:R")),
+        _ => {
+            let wrong = unknown_word("shape", text);
+            return Err(format!("{wrong}; write rect, rect:W,H, disc, disc:R, sphere or sphere:R"));
+        }
     };
     Ok(AreaSpec { shape, is_relative: sizes.is_none() })
 }
@@ -249,9 +250,10 @@ pub(crate) fn detector(text: &str) -> Result<DepthMapMethod, String> {
             let (sideways, depth) = (0.1, (4.0 * threshold).min(1.0));
             Ok(DepthMapMethod::Contours { threshold, sideways, depth })
         }
-        _ => Err(format!(
-            "there is no detector `{text}`; write every, automatic, differences=T, second=LOW,HIGH or contours=T"
-        )),
+        _ => {
+            let wrong = unknown_word("detector", text);
+            Err(format!("{wrong}; write every, automatic, differences=T, second=LOW,HIGH or contours=T"))
+        }
     }
 }
 
@@ -305,6 +307,12 @@ pub(crate) fn coordinates<const N: usize>(text: &str) -> Result<[Coordinate; N],
 }
 
 fn separated<T, const N: usize>(text: &str, read: fn(&str) -> Result<T, String>) -> Result<[T; N], String> {
+    if text.trim().is_empty() {
+        return Err(format!("the value is missing; give {N} numbers, separated by commas"));
+    }
+    if text.split(',').any(|part| part.trim().is_empty()) {
+        return Err("a number is missing; write all with commas between them, and without spaces".to_owned());
+    }
     let values = text.split(',').map(read).collect::<Result<Vec<_>, _>>()?;
     values.try_into().map_err(|values: Vec<_>| {
         format!("{N} numbers are needed, separated by commas, but {} are given", values.len())
@@ -319,9 +327,13 @@ pub(crate) fn coordinate(text: &str) -> Result<Coordinate, String> {
 
 fn no_number(text: &str) -> String {
     if text.is_empty() {
-        return "a number is missing; write all with commas between them, and without spaces".to_owned();
+        return "the value is missing; give a number".to_owned();
     }
     format!("`{text}` is not a number")
+}
+
+fn unknown_word(what: &str, word: &str) -> String {
+    if word.is_empty() { format!("the {what} is missing") } else { format!("there is no {what} `{word}`") }
 }
 
 fn number(text: &str) -> Result<f32, String> {

@@ -8,7 +8,7 @@ use rimline_view::desktop::{DesktopError, DesktopOptions, run as open_window};
 
 use crate::device::Wanted;
 use crate::failure::{DRAW_ON_CPU, Failure, NoDevice};
-use crate::input_args::{LoadArgs, WeldArgs, drawing_device, verbatim};
+use crate::input_args::{LoadArgs, WeldArgs, device, drawing_device, verbatim};
 use crate::spec;
 
 #[derive(Args, Debug)]
@@ -24,7 +24,7 @@ pub(crate) struct WindowArgs {
     size: [u32; 2],
 
     /// Where to draw
-    #[arg(long, value_name = "auto|gpu|cpu|NAME", default_value = "auto")]
+    #[arg(long, value_name = "auto|gpu|cpu|NAME", default_value = "auto", value_parser = device())]
     device: Wanted,
 
     /// The folder that screenshots go to

@@ -28,7 +28,8 @@ pub struct ExtractorOptions {
     /// freed. Set it if you know the memory of the device, which wgpu cannot ask.
     pub memory_limit: Option<u64>,
     /// With lists, also find which faces have a light in their plane, and the pieces of twisted polygons. Only shadow
-    /// volumes read these. Scenes find them in buffers of their own, so only tests set it. It may change in any release.
+    /// volumes read these. Scenes find them in buffers of their own, so only tests and measurements set it. It may change in any
+    /// release.
     #[doc(hidden)]
     pub for_volumes: bool,
 }

@@ -94,7 +94,7 @@ impl Film for Frames<'_> {
         let kept: Vec<PathBuf> = (0..count).filter(|&frame| self.has(frame)).map(|frame| self.file(frame)).collect();
         if let Some(file) = kept.iter().find(|file| !is_of(file, &self.identity, scene.view.size)) {
             return Err(Failure::usage(format!(
-                "{} is of a film with other options, models or another size, so --resume would mix two; give those \
+                "{} is of a film with another --device, other options or models, so --resume would mix two; give those \
                  of that film, or leave --resume out, which draws all pictures anew, or choose another folder",
                 file.display()
             )));

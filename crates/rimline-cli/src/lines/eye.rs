@@ -75,7 +75,11 @@ impl Eye {
             }
             let up = up_of((double(eye) - double(target)).to_array());
             if args.ortho {
-                return of((Vec3::from(eye) - Vec3::from(target)).into(), None, up);
+                let towards_eye = Vec3::from(eye) - Vec3::from(target);
+                if !towards_eye.is_finite() {
+                    return Err(Failure::usage(EYE_TOO_FAR));
+                }
+                return of(towards_eye.into(), None, up);
             }
             let half_height = args.fov.map(|degrees| libm::tan(f64::from(degrees).to_radians() / 2.0));
             let shown = half_height.map(|half_height| Shown { middle: target, half_height });

@@ -1,8 +1,8 @@
 //! The objects and the eye of a drawing, at one moment or in the course of a film.
 
 use std::borrow::Cow;
-use std::collections::BTreeSet;
-use std::ops::ControlFlow;
+use std::collections::{BTreeSet, HashMap};
+use std::ops::{ControlFlow, Deref};
 use std::path::Path;
 
 use rimline::Mesh;
@@ -14,7 +14,7 @@ use super::args::LinesArgs;
 use super::eye::{self, Eye};
 use super::sheet::{self, Extent};
 use crate::coincident::is_finite;
-use crate::failure::{Failure, NO_FINITE_FACE};
+use crate::failure::{EYE_TOO_FAR, Failure, NO_FINITE_FACE};
 use crate::input::{Input, Shape};
 use crate::output::Progress;
 
@@ -29,7 +29,7 @@ pub(crate) struct Motion<'a> {
     /// Whether objects move between drawings.
     is_moving: bool,
     /// The objects of the first drawing.
-    first: Vec<Object<'static>>,
+    first: Objects,
     /// The box around the objects at some moments.
     bounds: Bounds,
     /// The eye before it turns, unless a camera of the file is taken.
@@ -52,11 +52,11 @@ impl<'a> Motion<'a> {
         Ok(Self { args, inputs, frames, is_moving, first, bounds, still })
     }
 
-    pub(crate) fn objects(&self, frame: u32) -> Result<Cow<'_, [Object<'static>]>, Failure> {
+    pub(crate) fn objects(&self, frame: u32) -> Result<Cow<'_, Objects>, Failure> {
         if self.is_moving && frame > 0 {
             objects_at(self.args, self.inputs, frame).map(Cow::Owned)
         } else {
-            Ok(Cow::Borrowed(self.first.as_slice()))
+            Ok(Cow::Borrowed(&self.first))
         }
     }
 
@@ -65,7 +65,9 @@ impl<'a> Motion<'a> {
         let refused = |error: LinesError| refused(&args.files[0], error);
         let camera = inputs[0].camera(&args.camera, time_s(args, frame))?;
         let eye = camera.map_or(Ok(*still), |camera| Eye::of_camera(&camera, bounds)).map_err(refused)?;
-        eye.turned(f64::from(args.turn) * f64::from(frame) / f64::from(*frames)).map_err(refused)
+        let degrees = f64::from(args.turn) * f64::from(frame) / f64::from(*frames);
+        // An eye that sees a page still does when it is turned, if numbers can say where it is.
+        eye.turned(degrees).map_err(|_| Failure::usage(EYE_TOO_FAR))
     }
 
     /// The part of the page that all drawings take.
@@ -81,7 +83,7 @@ impl<'a> Motion<'a> {
     pub(crate) fn drawing(
         &self,
         frame: u32,
-        objects: &[Object<'_>],
+        objects: &Objects,
         eye: &Eye,
         progress: &Progress,
     ) -> Result<Drawing, Failure> {
@@ -92,7 +94,49 @@ impl<'a> Motion<'a> {
             progress.step(format!("{what}, {:.0} %", 100.0 * done as f64 / (all as f64).max(1.0)));
             ControlFlow::Continue(())
         });
-        drawing.map_err(|error| refused(&args.files[0], error))
+        let mut drawing = drawing.map_err(|error| refused(&args.files[0], error))?;
+        objects.number(&mut drawing);
+        Ok(drawing)
+    }
+}
+
+/// The objects of a drawing.
+#[derive(Clone)]
+pub(crate) struct Objects {
+    list: Vec<Object<'static>>,
+    /// Only objects that lost faces have some.
+    numbers: Vec<Option<Numbers>>,
+}
+
+/// The numbers in a whole mesh of what is left of it.
+#[derive(Clone)]
+struct Numbers {
+    faces: Vec<u32>,
+    /// For each edge record the first one of its edge.
+    edges: Vec<Option<u32>>,
+}
+
+impl Deref for Objects {
+    type Target = [Object<'static>];
+
+    fn deref(&self) -> &Self::Target {
+        &self.list
+    }
+}
+
+impl Objects {
+    /// Gives edges and faces their numbers in the whole meshes.
+    fn number(&self, drawing: &mut Drawing) {
+        let numbers = |object: u32| self.numbers.get(object as usize).and_then(Option::as_ref);
+        for span in &mut drawing.spans {
+            if let Some(numbers) = numbers(span.object) {
+                span.edge = span.edge.and_then(|edge| numbers.edges.get(edge as usize).copied().flatten());
+            }
+            for face in span.faces.iter_mut().flatten() {
+                let number = numbers(face.object).and_then(|numbers| numbers.faces.get(face.face as usize).copied());
+                face.face = number.unwrap_or(face.face);
+            }
+        }
     }
 }
 
@@ -112,13 +156,17 @@ fn options(args: &LinesArgs, eye: &Eye) -> LineOptions {
 }
 
 /// The objects of all files in a drawing.
-fn objects_at(args: &LinesArgs, inputs: &[Input], frame: u32) -> Result<Vec<Object<'static>>, Failure> {
-    let mut objects = Vec::new();
+fn objects_at(args: &LinesArgs, inputs: &[Input], frame: u32) -> Result<Objects, Failure> {
+    let (mut list, mut numbers) = (Vec::new(), Vec::new());
     for input in inputs {
-        objects.extend(objects_of(input, time_s(args, frame), inputs.len() > 1)?);
+        for object in objects_of(input, time_s(args, frame), inputs.len() > 1)? {
+            let (object, of_object) = finite(object)?;
+            list.push(object);
+            numbers.push(of_object);
+        }
     }
-    tell_apart(&mut objects);
-    Ok(objects)
+    tell_apart(&mut list);
+    Ok(Objects { list, numbers })
 }
 
 /// The objects of a file. Where there are several files, their names begin with the file's.
@@ -134,7 +182,6 @@ fn objects_of(input: &Input, time_s: f32, is_prefixed: bool) -> Result<Vec<Objec
             vec![Object { name, mesh, positions, marked: Vec::new() }]
         }
     };
-    objects = objects.into_iter().map(finite).collect::<Result<_, _>>()?;
     if is_prefixed {
         let file = input.file.file_name().unwrap_or_default().to_string_lossy();
         for object in &mut objects {
@@ -160,14 +207,25 @@ fn tell_apart(objects: &mut [Object<'_>]) {
 
 /// Without faces that are not finite, as long as there are others: a warning has counted them. The others are numbered anew,
 /// and so are edges. Polygons stay as they are.
-fn finite(object: Object<'static>) -> Result<Object<'static>, Failure> {
-    let faces = object.mesh.faces().iter().copied().filter(|face| is_finite(&object.positions, face));
-    let faces: Vec<[u32; 3]> = faces.collect();
+fn finite(object: Object<'static>) -> Result<(Object<'static>, Option<Numbers>), Failure> {
+    let kept = (0..).zip(object.mesh.faces()).filter(|(_, face)| is_finite(&object.positions, face));
+    let (numbers, faces): (Vec<u32>, Vec<[u32; 3]>) = kept.map(|(number, &face)| (number, face)).unzip();
     if faces.is_empty() || faces.len() == object.mesh.faces().len() || object.mesh.polygons().is_some() {
-        return Ok(object);
+        return Ok((object, None));
     }
     let mesh = Mesh::from_faces(object.positions.len(), faces).map_err(rimline::ModelError::from)?;
-    Ok(Object { mesh: Cow::Owned(mesh), ..object })
+    let numbers = Numbers { faces: numbers, edges: first_records(&mesh, &object.mesh) };
+    Ok((Object { mesh: Cow::Owned(mesh), ..object }, Some(numbers)))
+}
+
+/// The first record in the whole mesh of the edge of each record of a part of it.
+fn first_records(part: &Mesh, whole: &Mesh) -> Vec<Option<u32>> {
+    let sorted = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
+    let mut first = HashMap::new();
+    for (record, &edge) in (0_u32..).zip(whole.edges().vertices()) {
+        first.entry(sorted(edge)).or_insert(record);
+    }
+    part.edges().vertices().iter().map(|&edge| first.get(&sorted(edge)).copied()).collect()
 }
 
 fn refused(file: &Path, error: LinesError) -> Failure {

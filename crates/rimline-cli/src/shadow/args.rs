@@ -419,7 +419,8 @@ pub(crate) struct FilmArgs {
     #[arg(long, value_name = "DIR|FILE")]
     pub(crate) out: PathBuf,
 
-    /// Keep the pictures that are in the folder, and draw those that are missing. They must be of the same film
+    /// Keep the pictures that are in the folder, and draw those that are missing. They must be of the same film: of the same
+    /// models and options, --device included, because devices differ in some pixels
     #[arg(long)]
     pub(crate) resume: bool,
 

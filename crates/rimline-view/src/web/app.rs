@@ -26,6 +26,8 @@ struct App {
     config: wgpu::SurfaceConfiguration,
     raw: egui::RawInput,
     screenshots: u32,
+    /// How often files were asked for.
+    dialogs: u32,
     /// Whether the browser is to call back for a frame.
     is_frame_coming: bool,
     /// The message that the page's own text repeats for screen readers.
@@ -52,6 +54,7 @@ pub(super) async fn run(page: &Page) -> Result<(), String> {
         config,
         raw: egui::RawInput { focused: true, ..egui::RawInput::default() },
         screenshots: 0,
+        dialogs: 0,
         is_frame_coming: false,
         said: String::new(),
     };
@@ -236,9 +239,15 @@ fn fulfil(app: &Shared, request: Request) {
             if let Ok(chooser) = page.element::<HtmlInputElement>("files") {
                 chooser.click();
             }
-            // A browser that shows no dialog does not say so.
-            let asked = Rc::clone(app);
-            page.after(ASK_AGAIN, move || asked.borrow_mut().viewer.handle(Event::Answered));
+            app.borrow_mut().dialogs += 1;
+            let (asked, dialog) = (Rc::clone(app), app.borrow().dialogs);
+            // A browser that shows no dialog does not say so. By then there may be a later one.
+            page.after(ASK_AGAIN, move || {
+                let mut app = asked.borrow_mut();
+                if app.dialogs == dialog {
+                    app.viewer.handle(Event::Answered);
+                }
+            });
         }
         Request::Copy(line) => wasm_bindgen_futures::spawn_local(async move {
             let how = if page.copy(&line).await { "copied" } else { "no clipboard; the line is here" };

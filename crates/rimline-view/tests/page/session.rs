@@ -66,12 +66,18 @@ fn follow(viewer: &mut Viewer, browser: &mut Browser) -> Result<(), String> {
     Ok(())
 }
 
-/// Asks for files twice, and again once the dialog is closed.
+/// Keeps the page from asking for files again by itself, which it may five seconds after it asked: `held` has what would let it.
+const HOLD: &str = "window.held = []; const wait = window.setTimeout; \
+                    window.setTimeout = (run, ms) => ms === 5000 ? held.push(run) : wait.call(window, run, ms)";
+
+/// Asks for files twice, again once the dialog is closed, and again once the wait for a dialog that says nothing is over.
 fn ask(browser: &mut Browser) -> Result<(), String> {
     // A dialog of the system would stay open.
     let count = "files = document.getElementById('files'); asked = 0; \
                  files.addEventListener('click', (event) => { event.preventDefault(); asked += 1 })";
-    for (script, expected) in [(count, 1), ("files.dispatchEvent(new Event('cancel'))", 2)] {
+    let (cancel, end_wait) = ("files.dispatchEvent(new Event('cancel'))", "held.shift()()");
+    // The first wait is that of a dialog that is closed already.
+    for (script, expected) in [(count, 1), (cancel, 2), (end_wait, 2), (end_wait, 3)] {
         browser.evaluate(&format!("{{ {script}; }} 0"))?;
         browser.press("o")?;
         browser.press("o")?;
@@ -83,7 +89,7 @@ fn ask(browser: &mut Browser) -> Result<(), String> {
 }
 
 fn session() -> Result<(), String> {
-    let mut browser = Browser::open("")?;
+    let mut browser = Browser::open_after("", HOLD)?;
     let write = |name: &str, content: &[u8]| {
         let path = browser.folder().join(name);
         fs::write(&path, content).map(|()| path).map_err(say)

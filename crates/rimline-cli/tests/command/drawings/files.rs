@@ -8,6 +8,7 @@ use rimline_models::figure::{Figure, glb};
 use rimline_testkit::shapes;
 use serde_json::Value;
 
+use super::super::archive::entry;
 use super::super::makers::npz_model;
 use super::super::run::{Folder, folder};
 use super::super::{Outcome, Test, ensure, schema};
@@ -16,6 +17,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("drawings::all_formats_hold_the_same_lines", formats_agree),
     ("drawings::dxf_has_coordinates_of_the_files", dxf_has_coordinates),
     ("drawings::json_is_as_its_schema_says", json_has_its_schema),
+    ("drawings::json_has_numbers_of_the_files", json_has_numbers),
 ];
 
 /// A polyline: its layer, whether it is closed, and its points in micrometres from the lower left corner.
@@ -302,6 +304,62 @@ fn json_has_its_schema() -> Outcome {
             ensure!(schema::validate(&schema, &drawing).is_err(), "a wrong {pointer} passed");
             *drawing.pointer_mut(pointer).ok_or("nothing is there")? = right;
         }
+    }
+    Ok(())
+}
+
+/// The rows of an array of numbers of 32 bits.
+fn rows<const N: usize>(archive: &[u8], name: &str) -> Result<Vec<[u32; N]>, String> {
+    let words: Vec<u32> =
+        entry(archive, name)?.bytes[128..].as_chunks().0.iter().map(|bytes| u32::from_le_bytes(*bytes)).collect();
+    Ok(words.as_chunks().0.to_vec())
+}
+
+/// Edges and faces are those of `extract`, also behind faces that are not finite: spans lie on them.
+fn json_has_numbers() -> Outcome {
+    let folder = folder();
+    models(&folder)?;
+    let mut torus = shapes::torus(24, 16, 1.0, 0.4);
+    torus.positions[0] = [f32::NAN; 3];
+    folder.write("torn.npz", npz_model(&torus, 1.0, [0.0; 3]))?;
+    let mut meshes = Vec::new();
+    for model in ["cube", "torn"] {
+        let line = format!("extract @{model}.npz --device cpu --light dir:0,0,1 --out @extracted.npz");
+        folder.run(&line).expect(0, &[])?;
+        let archive = folder.read("extracted.npz")?;
+        let positions = rows::<3>(&archive, "positions")?;
+        let positions: Vec<[f64; 3]> = positions.iter().map(|p| p.map(|bits| f32::from_bits(bits).into())).collect();
+        meshes.push((positions, rows::<3>(&archive, "faces")?, rows::<2>(&archive, "edges")?));
+    }
+    let line = "lines @cube.npz @torn.npz --crease 10 --view 30,25 --hidden thin --out @drawing.json";
+    folder.run(line).expect(0, &[])?;
+    let drawing: Value = serde_json::from_slice(&folder.read("drawing.json")?).map_err(text)?;
+    let number = |value: &Value| value.as_u64().map_or(usize::MAX, |number| number as usize);
+    let mut found = BTreeMap::new();
+    for span in drawing["spans"].as_array().ok_or("no spans")? {
+        let ends = [0, 1].map(|end| [0, 1, 2].map(|axis| span["world"][end][axis].as_f64().unwrap_or(f64::NAN)));
+        // In the box around these vertices.
+        let is_between = |mesh: usize, vertices: &[u32]| {
+            let (positions, ..) = &meshes[mesh];
+            (0..3).all(|axis| {
+                let all = || vertices.iter().map(|&vertex| positions[vertex as usize][axis]);
+                let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
+                ends.iter().all(|end| end[axis] >= low - 1e-6 && end[axis] <= high + 1e-6)
+            })
+        };
+        let mesh = number(&span["object"]);
+        let edge = span["edge"].as_u64().map(|edge| meshes[mesh].2[edge as usize]);
+        ensure!(edge.is_none_or(|edge| is_between(mesh, &edge)), "it is not on its edge: {span}");
+        for face in span["faces"].as_array().ok_or("no faces")? {
+            let mesh = number(&face["object"]);
+            let corners = meshes[mesh].1[number(&face["face"])];
+            let has_edge = edge.is_none_or(|edge| edge.iter().all(|vertex| corners.contains(vertex)));
+            ensure!(has_edge && is_between(mesh, &corners), "it is not on its face {face}: {span}");
+        }
+        *found.entry(span["class"].as_str().ok_or("no class")?).or_insert(0) += 1;
+    }
+    for class in ["silhouette", "boundary", "crease", "intersection"] {
+        ensure!(found.contains_key(class), "no {class}: {found:?}");
     }
     Ok(())
 }
