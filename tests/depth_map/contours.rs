@@ -1,4 +1,4 @@
-//! Walls over contours by `contour_marks`, `contour_crossings`, `contour_tiles` and `contour_walls`: lists against goldens,
+//! Walls over contours by `contour_marks`, `contour_tiles`, `contour_crossings` and `contour_walls`: lists against goldens,
 //! and those that overflow. They are closed, cross each jump once, and lie on rims that are known exactly.
 
 use std::collections::{HashMap, HashSet};

@@ -21,7 +21,7 @@ const COPY: &str = "
 }
 ";
 
-/// The type of a texture of depths that a shader loads, as floats: OpenGL loads no texels of depth textures.
+/// The type of a texture of depths that a shader loads, as floats: naga writes no loads of depth textures for OpenGL.
 pub(crate) fn float_texture(samples: u32) -> &'static str {
     if samples > 1 { "texture_multisampled_2d<f32>" } else { "texture_2d<f32>" }
 }

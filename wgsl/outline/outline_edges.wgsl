@@ -38,7 +38,8 @@ struct OutlineView {
 }
 
 @group(1) @binding(0) var<uniform> outline: OutlineView;
-// The caller's depth, of which sample 0 is read. It is bound as floats, because OpenGL cannot load texels of depth textures.
+// The caller's depth, of which sample 0 is read. It is bound as floats, because naga writes no loads of depth textures for
+// OpenGL.
 #if SAMPLES
 @group(1) @binding(1) var outline_depth: texture_multisampled_2d<f32>;
 #else

@@ -16,7 +16,7 @@
 @group(0) @binding(0) var<uniform> receiver_view: ReceiverView;
 @group(0) @binding(2) var<storage, read_write> receivers: array<u32>;
 
-// Depth is read as floats, because OpenGL loads no texels of depth textures.
+// Depth is read as floats, because naga writes no loads of depth textures for OpenGL.
 #if SAMPLES
 @group(0) @binding(1) var depth_texture: texture_multisampled_2d<f32>;
 

@@ -34,9 +34,10 @@ pub struct Clusters {
 }
 
 impl Clusters {
-    /// Orders the faces of `mesh` in space, bounds each cluster, and groups the edge records. `positions` are those of
-    /// the mesh's vertices; the bounds hold for no others. A vertex that `positions` lacks counts as non-finite. The
-    /// result does not depend on the number of threads.
+    /// Orders the faces of `mesh` in space, bounds each cluster, and groups the edge records. `mesh` must have no
+    /// [`Mesh::polygons`]: edge records would name these, and clusters are of triangles. `positions` are those of the
+    /// mesh's vertices; the bounds hold for no others. A vertex that `positions` lacks counts as non-finite. The result
+    /// does not depend on the number of threads.
     pub fn new(mesh: &Mesh, positions: &[[f32; 3]], threads: Threads) -> Self {
         let order = Order::new(positions, mesh.faces(), threads);
         let bounds = bound::bounds(&order, threads);

@@ -14,8 +14,8 @@ fn position_of(corner: u32) -> vec3<f32> {
 }
 
 // The survey, for hidden lines (lines.wgsl): the face at each texel, and near plane / distance, also of an orthographic
-// camera. Not the depth buffer, which OpenGL's shaders cannot read as WGSL does; in integers, since OpenGL need not draw onto
-// floats; not multisampled, since Mesa's OpenGL then reads zeros.
+// camera. Not the depth buffer, since naga writes no loads of depth textures for OpenGL; in integers, since OpenGL need not
+// draw onto floats; not multisampled, since Mesa's OpenGL then reads zeros.
 
 struct Seen {
   @builtin(position) clip: vec4<f32>,

@@ -34,7 +34,8 @@ const SOURCE: &str = "
 }
 ";
 
-/// Textures of one sample and of several. Depth is read as floats, because OpenGL loads no texels of depth textures.
+/// Textures of one sample and of several. Depth is read as floats, because naga writes no loads of depth textures for
+/// OpenGL.
 const TEXTURES: [&str; 2] = ["texture_2d<f32>", "texture_multisampled_2d<f32>"];
 
 /// Draws the farthest receiver of each tile of 8 × 8 pixels.
