@@ -14,14 +14,14 @@ use super::info::SkippedPrimitives;
 #[non_exhaustive]
 #[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum GltfWarning {
-    /// A part of the file is damaged. The scene can be shown without it, so it was left out. A caller that requests the part
-    /// gets this fault as an error.
+    /// A part of the file is damaged. The scene can be shown without it, so it was left out. A caller that requests an
+    /// animation or a light gets an error with its fault: [`GltfError::DamagedAnimation`], [`GltfError::DamagedLight`].
     #[error("{fault}; the scene can be shown without it, so it is left out")]
     Damaged { fault: Box<GltfError> },
     /// The file uses an extension that is not read, and that may transform, shape or move what is drawn.
     #[error("the extension {name} is not read; where it places, shapes or moves something, the result is another")]
     Extension { name: String },
-    /// Primitives were skipped.
+    /// Primitives were skipped, also those of meshes that the scene does not show.
     #[error(
         "skipped {} point primitives, {} line primitives and {} primitives without positions", .0.points, .0.lines,
         .0.without_position
@@ -35,9 +35,9 @@ pub enum GltfWarning {
         if *.is_target { "; while the target's weight is not 0, the faces of these vertices are not drawn" } else { "" }
     )]
     NonFinite { json_path: String, vertices: usize, first: usize, is_target: bool },
-    /// A part breaks the specification. It was read in another way than it is written, or ignored: left-over corners,
-    /// indices that restart, other colours for the same vertices, children of two nodes, rotations of length 0, weights
-    /// without morph targets, channels that move nothing, zero bytes after the JSON.
+    /// A part was read in another way than it is written, or ignored. It breaks the specification: left-over corners,
+    /// indices that restart, children of two nodes, rotations of length 0, weights without morph targets, zero bytes after
+    /// the JSON. Or it may be legal, but is not supported: other colours for the same vertices, channels that move nothing.
     #[error("{json_path}{problem}")]
     Changed { json_path: String, problem: String },
 }
@@ -73,7 +73,7 @@ impl<'a> Warnings<'a> {
         Self { budget, list: RefCell::default(), said: RefCell::default() }
     }
 
-    /// Adds a warning, unless it was added before.
+    /// Adds a warning, unless it was added before. A repeated one is charged, too.
     pub(super) fn push(&self, warning: GltfWarning) -> Result<(), GltfError> {
         let text = warning.to_string();
         self.charge(&text)?;
@@ -83,8 +83,8 @@ impl<'a> Warnings<'a> {
         Ok(())
     }
 
-    /// The part, or its fault, which is stored until the part is used. Memory is about the whole file, so
-    /// [`GltfError::TooLarge`] and [`GltfError::Memory`] are no part's fault.
+    /// The part, or its fault, which is charged, and which the caller stores until the part is used. Memory is about the
+    /// whole file, so [`GltfError::TooLarge`] and [`GltfError::Memory`] are no part's fault.
     pub(super) fn keep<T>(&self, result: Result<T, GltfError>) -> Result<Part<T>, GltfError> {
         match result {
             Err(error @ (GltfError::TooLarge { .. } | GltfError::Memory { .. })) => Err(error),
@@ -101,7 +101,7 @@ impl<'a> Warnings<'a> {
         }
     }
 
-    /// Warns of the stored faults of parts that nothing used.
+    /// Warns of the stored faults of parts. The scene needs none of these: one that it needs has refused the file.
     pub(super) fn damaged<'p, T: 'p>(&self, parts: impl IntoIterator<Item = &'p Part<T>>) -> Result<(), GltfError> {
         let mut faults = parts.into_iter().filter_map(|part| part.as_ref().err());
         faults.try_for_each(|fault| self.push(GltfWarning::Damaged { fault: fault.clone() }))

@@ -17,11 +17,12 @@ use crate::contours::{Quad, UNIT, listed};
 use crate::maps::Map;
 use crate::near_rectangles::{both, eye_at, position};
 use crate::parity::{self, SIDE, clip, light, seen, seen_depths};
-use crate::picture::{Maps, REVERSED, STANDARD, Target, by, contours, look};
+use crate::picture::{Encoded, Maps, REVERSED, STANDARD, Target, by, contours, look};
 
 pub(crate) const TESTS: &[Test] = &[
     ("near_rectangles_behind_a_rim_have_the_parity_of_walls_and_flaps", behind_a_rim),
     ("near_rectangles_behind_a_flap_alone_are_in_shadow", behind_a_flap),
+    ("near_rectangles_behind_a_surface_that_goes_on_alone_are_in_shadow", behind_a_surface),
 ];
 
 const TEXELS: u32 = 24;
@@ -259,15 +260,31 @@ fn behind_a_rim() -> Result<(), String> {
     if wrong == 0 && is_tried { Ok(()) } else { Err(format!("{tally:?}")) }
 }
 
+/// A light or an eye of parallel rays, all of one direction.
+fn parallel(at: DVec3, half_width: f64) -> ShadowCamera {
+    let eye = look(at, DVec3::new(0.3, -0.8, 0.2), 0.5);
+    Eye { is_relative: false, depth: STANDARD, far: Some(40.0), half_width: Some(half_width), ..eye }.camera()
+}
+
+/// The picture of an eye that looks along the light's rays. Its near rectangle is at a position and a depth of the map, and
+/// what it sees has one depth.
+fn along_rays(
+    gpu: &Gpu,
+    (maps, options): (&Maps, DepthMapOptions),
+    (at, depth): ([f64; 2], f64),
+    (half_width, seen): (f64, f32),
+) -> Result<(Vec<u8>, Encoded), String> {
+    let near = position(&maps.lights[0], maps.size, at, depth);
+    let forward = (near - position(&maps.lights[0], maps.size, at, 0.0)).normalize();
+    let depths = [seen; (SIDE * SIDE) as usize];
+    both(gpu, &Target::new(parallel(near - 0.5 * forward, half_width), &depths), maps, options)
+}
+
 /// A surface that bends away from the light between the ends of a segment. The flap does not, so a near rectangle may
 /// be behind it and before all samples around.
 fn behind_a_flap() -> Result<(), String> {
     let gpu = Gpu::shared()?;
-    let camera = |at: DVec3, half_width| {
-        let eye = look(at, DVec3::new(0.3, -0.8, 0.2), 0.5);
-        Eye { is_relative: false, depth: STANDARD, far: Some(40.0), half_width: Some(half_width), ..eye }.camera()
-    };
-    let light = camera(DVec3::new(1.0, 9.0, 2.0), 4.0);
+    let light = parallel(DVec3::new(1.0, 9.0, 2.0), 4.0);
     let depth_of = |row: f64| 0.5 + 0.015 * (1.0 - ((row - 7.0) / 7.0).powi(2));
     let map = Map::new([TEXELS; 2], false, |texel| match texel % TEXELS {
         ..12 => depth_of(f64::from(texel / TEXELS)) as f32,
@@ -277,17 +294,36 @@ fn behind_a_flap() -> Result<(), String> {
     // Behind the flap, and, as the negative control, before it, where the eye sees a surface close behind the near
     // rectangle.
     for (distance, seen, is_behind) in [(0.508, 0.5, true), (0.49, 0.001, false)] {
-        let near = position(&light, map.size, [10.8, 7.0], distance);
-        let forward = (near - position(&light, map.size, [10.8, 7.0], 0.0)).normalize();
-        let depths = [seen; (SIDE * SIDE) as usize];
-        let target = Target::new(camera(near - 0.5 * forward, 0.02), &depths);
         let options = DepthMapOptions { slope_bias: 0.0, ..by(contours([0.01, 0.25, 0.02])) };
-        let (stencil, encoded) = both(&gpu, &target, &maps, options)?;
+        let (stencil, encoded) = along_rays(&gpu, (&maps, options), ([10.8, 7.0], distance), (0.02, seen))?;
         let (_, quads) = listed(&gpu, encoded.volumes.cells())?;
         let (_, flaps) = among(&quads, DVec4::new(10.8, 7.0, distance, 1.0));
         same("flaps", &flaps.iter().map(|flap| flap.1).collect::<Vec<_>>(), &[is_behind])?;
         if stencil.iter().any(|&count| (count != 0) != is_behind) {
             return Err(format!("some at {distance} are not as they should be"));
+        }
+    }
+    Ok(())
+}
+
+/// A map of digits, which are depths in tenths. The wall at the right is one segment between two junctions, without flaps.
+/// From the 6 beside the 8 the surface comes nearer along both axes: to the right it goes on to the wall, and upwards to a 5.
+/// So a near rectangle may be behind it and before all that comes nearer along one axis.
+fn behind_a_surface() -> Result<(), String> {
+    const DIGITS: [&[u8; 4]; 8] = [b"..6.", b".5..", b".5..", b"86..", b".66.", b".66.", b".66.", b"...6"];
+    let gpu = Gpu::shared()?;
+    let map = Map::new([4, 8], false, |texel| match DIGITS[texel as usize / 4][texel as usize % 4] {
+        b'.' => 1.0,
+        digit => f32::from(digit - b'0') / 10.0,
+    });
+    let maps = Maps::of(&gpu, &map, TextureFormat::R32Float, parallel(DVec3::new(1.0, 9.0, 2.0), 4.0))?;
+    let options = DepthMapOptions { slope_bias: 0.0, ..by(contours([1.0, 0.5, 1.0])) };
+    // The negative control is before all.
+    for (depth, is_behind) in [(0.394, true), (0.2, false)] {
+        let (stencil, encoded) = along_rays(&gpu, (&maps, options), ([1.825, 2.52], depth), (0.005, 0.001))?;
+        same("near caps", &[encoded.has_cap()], &[is_behind])?;
+        if stencil.iter().any(|&count| (count != 0) != is_behind) {
+            return Err(format!("some at {depth} are not as they should be"));
         }
     }
     Ok(())

@@ -271,18 +271,14 @@ fn may_be_before(map: &Map, border: i64, near: &DepthNearBox) -> bool {
     samples(near).any(|at| depth(at).is_some_and(|depth| rank(map, Some(depth)) <= i64::from(near.key)))
 }
 
-/// Whether surfaces that go on up to contours may be. A sample moves nearer by the largest step to a neighbour that is
-/// farther away, in each direction.
+/// Whether surfaces that go on up to contours may be. A sample moves nearer by the largest step to a neighbour, in each
+/// direction.
 fn may_be_before_walls(map: &Map, near: &DepthNearBox) -> bool {
     let nearest = |at: [i32; 2]| {
         let distance_here = distance(map, at)?;
         let nearing = |[x, y]: [i32; 2]| {
             let beside = [[at[0] - x, at[1] - y], [at[0] + x, at[1] + y]];
-            beside
-                .into_iter()
-                .filter_map(|there| distance(map, there))
-                .map(|other| (other - distance_here).max(0))
-                .max()
+            beside.into_iter().filter_map(|there| distance(map, there)).map(|other| (other - distance_here).abs()).max()
         };
         Some(distance_here - nearing([1, 0]).unwrap_or(0) - nearing([0, 1]).unwrap_or(0))
     };

@@ -45,7 +45,8 @@ fn rim_offset(last: vec2<i32>, step: vec2<i32>) -> i32 {
 }
 
 // How much the distance of a surface grows from its last sample, which must not be FAR, to an offset. It grows at the rate of
-// the last difference, or not at all if the edge before the sample is marked.
+// the last difference, or not at all if the edge before the sample is marked. `approach_bound` (depth_near.wgsl) relies on
+// it: a surface comes nearer to the light at no larger rate.
 // Before a rim the surface bends away from the light. There the rate is multiplied by the square of the last ratio of
 // differences, which is at most 2.
 fn extrapolated_rise(sample: vec2<i32>, step: vec2<i32>, offset: i32) -> i32 {

@@ -1,20 +1,22 @@
 // Stages `depth_near` and `depth_near_walls`: whether the near rectangle may be in shadow of a depth map, so that the near
 // cap has to be drawn. The near rectangle is the part of the eye's near plane in the picture, where all rays of the eye
 // begin. The near cap inverts the stencil bit where the rectangle is in shadow. Usually all of it is in light.
-// `depth_near` is for triangles of cells, `depth_near_walls` for contours. One of the two is the last dispatch of an encode:
-// one workgroup. The CPU (src/gpu/depth_map/near.rs) leaves the dispatch out in two cases. If it finds the rectangle in
-// light, no cap is drawn. If it finds no box of up to 65,536 samples that decide, or the option `skip_near_caps` is off, the
-// cap is drawn.
+// `depth_near` is for triangles of cells, `depth_near_walls` for contours, also if their list overflows. One of the two is
+// the last dispatch of an encode: one workgroup. The CPU leaves it out in two cases (`near_cap` in
+// src/gpu/depth_map/recording.rs). If near.rs finds the rectangle in light, no cap is drawn. If it finds no box of up to
+// 65,536 samples that decide, or the option `skip_near_caps` is off, the cap is drawn.
 // Reads `near`, which the CPU fills, and the depths of the samples in its box; with contours those of their neighbours, too.
 // Writes the indirect draw of `depth_near_cap`: 3 vertices, or 0 for light. Bounds err on one side only: a cap may be drawn
-// for nothing, but is never missing (docs/numerics/depth-maps.md, "Near caps"). Contours have limits near a rim
-// (docs/numerics/contours.md, "Heights").
+// for nothing, but one that would invert a bit is never missing (docs/numerics/depth-maps.md, "Near caps"). The cap of
+// contours itself may be wrong near a rim (docs/numerics/contours.md, "Heights").
+// Nearer, before and behind are as the light sees it.
 
 #import depth_map/contour
 #import depth_map/samples
 
 struct DepthNearBox {
-  // The box of all samples whose surfaces may be before the near rectangle: its first sample; its columns and rows.
+  // A box with all samples whose surfaces may be before the near rectangle: its first sample on the lattice; its columns
+  // and rows. Surfaces of other samples there may be behind it.
   first: vec2<u32>,
   size: vec2<u32>,
   // A surface with a larger key (samples.wgsl, for `depth_near`) or a larger distance (contour.wgsl, for
@@ -67,12 +69,13 @@ fn depth_near(@builtin(local_invocation_index) lane: u32) {
 // Stage `depth_near_walls`. A surface goes on from its last sample to the contour, and may come nearer to the light there.
 // An upper bound of that is subtracted from the distance of each sample. Distances are integers.
 
-// An upper bound of how much nearer a surface comes to the light within a texel of a sample, along an axis. It goes on at
-// the rate of its last difference, so by at most what the sample on the opposite side is farther.
+// An upper bound of how much nearer to the light than a sample its surface comes within a texel, along an axis: the larger
+// difference from the samples beside it. Towards one of the same surface it is interpolated. Beyond the last one it comes
+// nearer by at most its last difference (`extrapolated_rise` in contour_rim.wgsl).
 fn approach_bound(sample: vec2<i32>, distance: i32, step: vec2<i32>) -> i32 {
   let before = load_distance(sample - step);
   let after = load_distance(sample + step);
-  return max(0, max(select(before - distance, 0, before == FAR), select(after - distance, 0, after == FAR)));
+  return max(select(abs(before - distance), 0, before == FAR), select(abs(after - distance), 0, after == FAR));
 }
 
 @compute @workgroup_size(INVOCATIONS)
