@@ -8,7 +8,7 @@ use rimline::gpu::{
 };
 use rimline::internals::Method;
 use rimline::mesh::Weld;
-use rimline::{Counting, Displacement, Light, Predicate};
+use rimline::{Counting, DepthDirection, Displacement, Light, Predicate};
 use rimline_testkit::shapes;
 
 use rimline_testkit::device::Gpu;
@@ -96,6 +96,9 @@ fn once() -> Result<(), String> {
     let plain = ShadowFormat::default();
     let format = ShadowFormat { samples: 4, ..plain.clone() };
     let trimmed = ShadowFormat { trim: true, ..plain.clone() };
+    let with_far_plane = ShadowFormat { has_far_plane: true, ..plain.clone() };
+    let standard = ShadowFormat { depth: DepthDirection::Standard, ..plain.clone() };
+    let seven_bits = ShadowFormat { count_bits: 7, ..plain.clone() };
     // `warm_up.rs` counts those that compute.
     for (counting, format, new) in [
         (Counting::Auto, &plain, 4),
@@ -106,12 +109,22 @@ fn once() -> Result<(), String> {
         (Counting::Auto, &format, 4),
         // One pipeline draws all parts of trimmed sides.
         (Counting::ZPass, &trimmed, 1),
+        // Light caps are not trimmed, nor is what ZP+ as published adds.
+        (Counting::ZFail, &trimmed, 3),
+        (Counting::ZpPlus2005, &trimmed, 0),
+        // A far plane changes only z-fail, and the depth direction only draws that compare depths.
+        (Counting::Auto, &with_far_plane, 0),
+        (Counting::Auto, &standard, 2),
+        (Counting::ZPass, &seven_bits, 1),
     ] {
         for new in [new, 0] {
             made.push(Box::new(ShadowPipelines::new(&pipelines, format, counting).map_err(text)?));
             count.added(&format!("{counting:?}"), new)?;
         }
     }
+    // One of eight bits is the dark bit. The pipeline that sets it is not shared.
+    drop(ShadowPipelines::in_batches(&pipelines, &plain, Counting::ZPass).map_err(text)?);
+    count.added("batches of casters", 0)?;
     for (skip, adds) in [(true, 5), (false, 3), (true, 0)] {
         let options = ShadowQueryOptions { skip_by_boxes: skip, ..Default::default() };
         made.push(Box::new(ShadowQuery::new(&pipelines, &mesh, options).map_err(text)?));

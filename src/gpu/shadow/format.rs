@@ -182,10 +182,17 @@ pub(super) struct Drawn {
     pub(super) argument: u64,
 }
 
-/// Everything that a pipeline of volumes depends on.
+/// Everything that a pipeline of volumes depends on, and nothing that leaves it as it is.
 #[derive(Clone, PartialEq, Eq, Hash)]
 pub(crate) struct VolumeKey {
-    pub(super) drawn: Drawn,
-    pub(super) casters: Casters,
-    pub(super) format: ShadowFormat,
+    pub(super) polygons: Polygons,
+    pub(super) entry_point: &'static str,
+    /// The kind of its list of cap faces.
+    pub(super) kind: u32,
+    /// Whether the vertex shader cuts at the frustum.
+    pub(super) is_trimmed: bool,
+    pub(super) primitive: wgpu::PrimitiveState,
+    pub(super) depth_stencil: wgpu::DepthStencilState,
+    pub(super) samples: u32,
+    pub(super) colors: Vec<Option<wgpu::TextureFormat>>,
 }

@@ -214,16 +214,45 @@ impl VolumePipelines {
     pub(crate) fn of(&self, part: Part) -> &[PartDraw] {
         self.parts[part as usize].get_or_init(|| {
             let layouts = layouts(&self.shared);
-            let key = |drawn| VolumeKey { drawn, casters: self.casters, format: self.format.clone() };
-            let keys: Vec<_> = part.draws(self.convention.counting).into_iter().map(key).collect();
-            self.shared.make_volumes(&keys, |key| self.make(&layouts, key));
-            let draw = |key: &VolumeKey| PartDraw {
-                drawn: key.drawn,
-                pipeline: self.shared.volume(key, || self.make(&layouts, key)),
-                polygon_parts: if self.format.trim { polygon_parts(key.drawn.entry_point) } else { 1 },
+            let draws = part.draws(self.convention.counting);
+            let keys: Vec<_> = draws.iter().map(|&drawn| self.key(drawn)).collect();
+            self.shared.make_volumes(&keys, |key| make(&self.shared, &layouts, key));
+            let draw = |(drawn, key): (Drawn, &VolumeKey)| PartDraw {
+                drawn,
+                pipeline: self.shared.volume(key, || make(&self.shared, &layouts, key)),
+                polygon_parts: self.polygon_parts(drawn.entry_point),
             };
-            keys.iter().map(draw).collect()
+            draws.into_iter().zip(&keys).map(draw).collect()
         })
+    }
+
+    fn key(&self, drawn: Drawn) -> VolumeKey {
+        let Drawn { polygons, entry_point, kind, count, is_swapped, .. } = drawn;
+        let format = &self.format;
+        let topology = if is_list(entry_point) {
+            wgpu::PrimitiveTopology::TriangleList
+        } else {
+            wgpu::PrimitiveTopology::TriangleStrip
+        };
+        let unclipped_depth = count == Count::Behind && format.has_far_plane;
+        let front_face = format.front_face;
+        let compare = if count == Count::Always { CompareFunction::Always } else { format.depth.nearer() };
+        let stencil = stencil(count, is_swapped, self.casters.largest_count(format.count_bits));
+        VolumeKey {
+            polygons,
+            entry_point,
+            kind,
+            is_trimmed: self.polygon_parts(entry_point) > 1,
+            primitive: wgpu::PrimitiveState { topology, front_face, unclipped_depth, ..Default::default() },
+            depth_stencil: depth_stencil(format.depth_stencil, false, compare, stencil),
+            samples: format.samples,
+            colors: format.colors.clone(),
+        }
+    }
+
+    /// How many parts of its polygons a draw has.
+    fn polygon_parts(&self, entry_point: &str) -> u32 {
+        if self.format.trim { polygon_parts(entry_point) } else { 1 }
     }
 }
 
@@ -278,40 +307,28 @@ fn sample_counts(device: &wgpu::Device, format: wgpu::TextureFormat) -> Vec<u32>
     format.guaranteed_format_features(device.features()).flags.supported_sample_counts()
 }
 
-impl VolumePipelines {
-    fn make(&self, layouts: &Layouts, key: &VolumeKey) -> wgpu::RenderPipeline {
-        let &VolumeKey { drawn, casters, ref format } = key;
-        let Drawn { polygons, entry_point, kind, count, is_swapped, .. } = drawn;
-        let Layouts { frame, side_data, cap_data, piece_data } = layouts;
-        let (stage, data) = match polygons {
-            Polygons::Sides => (&SIDES, side_data),
-            Polygons::Caps => (&CAP_FACES, cap_data),
-            Polygons::Pieces => (&PIECE_VOLUMES, piece_data),
-        };
-        let module = self.shared.module(stage.name, &stage.wgsl());
-        let unclipped_depth = count == Count::Behind && format.has_far_plane;
-        let constants =
-            [("TRIM", switch(format.trim)), ("UNCLIPPED", switch(unclipped_depth)), ("CAP_KIND", f64::from(kind))];
-        let topology = if is_list(entry_point) {
-            wgpu::PrimitiveTopology::TriangleList
-        } else {
-            wgpu::PrimitiveTopology::TriangleStrip
-        };
-        let (front_face, write_mask) = (format.front_face, casters.largest_count(format.count_bits));
-        let compare = if count == Count::Always { CompareFunction::Always } else { format.depth.nearer() };
-        let stencil = stencil(count, is_swapped, write_mask);
-        self.shared.draws(&drawing::Drawn {
-            label: entry_point,
-            layouts: &[frame, data],
-            vertex: (&module, entry_point),
-            fragment: Some((&module, "nothing")),
-            constants: if polygons == Polygons::Caps { &constants } else { &constants[..2] },
-            primitive: wgpu::PrimitiveState { topology, front_face, unclipped_depth, ..Default::default() },
-            depth_stencil: Some(depth_stencil(format.depth_stencil, false, compare, stencil)),
-            samples: format.samples,
-            targets: &unchanged(&format.colors),
-        })
-    }
+fn make(shared: &Pipelines, layouts: &Layouts, key: &VolumeKey) -> wgpu::RenderPipeline {
+    let &VolumeKey { polygons, entry_point, kind, is_trimmed, primitive, ref depth_stencil, samples, ref colors } = key;
+    let Layouts { frame, side_data, cap_data, piece_data } = layouts;
+    let (stage, data) = match polygons {
+        Polygons::Sides => (&SIDES, side_data),
+        Polygons::Caps => (&CAP_FACES, cap_data),
+        Polygons::Pieces => (&PIECE_VOLUMES, piece_data),
+    };
+    let module = shared.module(stage.name, &stage.wgsl());
+    let unclipped = switch(primitive.unclipped_depth);
+    let constants = [("TRIM", switch(is_trimmed)), ("UNCLIPPED", unclipped), ("CAP_KIND", f64::from(kind))];
+    shared.draws(&drawing::Drawn {
+        label: entry_point,
+        layouts: &[frame, data],
+        vertex: (&module, entry_point),
+        fragment: Some((&module, "nothing")),
+        constants: if polygons == Polygons::Caps { &constants } else { &constants[..2] },
+        primitive,
+        depth_stencil: Some(depth_stencil.clone()),
+        samples,
+        targets: &unchanged(colors),
+    })
 }
 
 /// Whether an entry point draws lists of triangles instead of strips.
@@ -319,7 +336,8 @@ fn is_list(entry_point: &str) -> bool {
     matches!(entry_point, "light_cap" | "dark_cap" | "zp_plus_2005_cap" | "piece_dark_cap")
 }
 
-/// The parts of the largest polygon that trimming at six planes leaves: two triangles of a strip each, or one of a list.
+/// The parts of the largest polygon that trimming at six planes leaves: two triangles of a strip each, or one of a list. Entry
+/// points that do not trim have one.
 fn polygon_parts(entry_point: &str) -> u32 {
     match entry_point {
         "light_cap" | "zp_plus_2005_side" | "zp_plus_2005_cap" => 1,
