@@ -28,6 +28,7 @@ use crate::random_scene::encoder;
 pub(crate) const TESTS: &[Test] = &[
     ("needs_cull_nothing_visible", nothing_visible),
     ("needs_of_as_many_views_as_are_looked_at", most_views),
+    ("needs_of_lights_that_views_leave_out", left_out),
     ("figures_walk_out_of_need_and_back", histories),
     ("a_deform_that_is_dropped_spoils_one_frame", dropped),
     ("needs_of_more_instances_than_a_row_of_workgroups_takes", several_rows),
@@ -139,6 +140,12 @@ impl Play {
         let found = self.positions()?;
         let walkers = found.chunks(found.len() / self.next.walkers.len());
         Ok(walkers.map(|walker| walker.iter().all(|position| *position == [0; 3])).collect())
+    }
+
+    /// Deforms for these views. For each figure whether it is culled.
+    fn culled_in(&mut self, views: &[View<'_>]) -> Result<Vec<bool>, String> {
+        self.gpu.submit(|encoder| self.scene.deform(encoder, FrameInputs::new(views)).map_err(text))?;
+        self.culled()
     }
 
     fn positions(&self) -> Result<Vec<[u32; 3]>, String> {
@@ -321,15 +328,44 @@ fn most_views() -> Result<(), String> {
     let view = View::new(play.next.cameras[0]);
     let mut found = Vec::new();
     for views in [1, most, most + 1] {
-        let inputs = vec![view; views];
-        play.gpu.submit(|encoder| play.scene.deform(encoder, FrameInputs::new(&inputs)).map_err(text))?;
-        found.push(play.culled()?);
+        found.push(play.culled_in(&vec![view; views])?);
     }
     same("as many as are looked at", &found[1], &found[0])?;
     same("one more", &found[2], &[false; 60])?;
     must_fail("one more", &same("one more", &found[1], &found[2]))?;
     let culled = number_of(&found[0]);
     if culled > 5 && culled < 60 { Ok(()) } else { Err(format!("{culled} of 60 figures culled")) }
+}
+
+/// A view needs figures for its own lights, as if they had no others. Figures deformed for fewer lights are deformed anew.
+fn left_out() -> Result<(), String> {
+    let mut fewer = 0;
+    for seed in 4701..4705 {
+        let mut play = Play::new(seed, 60)?;
+        let cameras = [play.next.cameras[0], camera(&mut play.random)];
+        let light = play.lights[seed as usize % play.lights.len()];
+        let masks = [LightMask::only([light]), LightMask::ALL.without(light)];
+        let mut of_views = Vec::new();
+        for (camera, mask) in cameras.into_iter().zip(masks) {
+            play.set_all(mask)?;
+            of_views.push(play.culled_in(&[View::new(camera)])?);
+        }
+        play.set_all(LightMask::ALL)?;
+        let whole = cameras.map(View::new);
+        let parts = [0, 1].map(|number| View { lights: masks[number], ..whole[number] });
+        let (culled, found) = (play.culled_in(&whole)?, play.culled_in(&parts)?);
+        let in_both: Vec<bool> = of_views[0].iter().zip(&of_views[1]).map(|(one, other)| *one && *other).collect();
+        same(&format!("seed {seed}"), &found, &in_both)?;
+        fewer += number_of(&found) - number_of(&culled);
+        for (deformed, encoded) in [(parts, whole), (whole, parts)] {
+            play.gpu.submit(|encoder| {
+                play.scene.deform(encoder, FrameInputs::new(&deformed)).map_err(text)?;
+                play.scene.encode(encoder, FrameInputs::new(&encoded)).map(drop).map_err(text)
+            })?;
+            same(&format!("seed {seed}, encoded"), &play.culled()?, &culled)?;
+        }
+    }
+    if fewer > 0 { Ok(()) } else { Err("no view needs fewer figures for fewer lights".to_owned()) }
 }
 
 /// Frames are dropped, swapped, of another pose or the same, of mirror images, with excluded faces or without. Models are

@@ -1,8 +1,8 @@
 // Stage `needs`: finds which deforming casters of a scene, the instances of its models, a frame needs, from the boxes of their
-// poses. Dispatched before `deform`, an invocation a caster. A frame needs the caster if a camera may see it, or may see its
-// shadow from a light that affects it. Tests have slack, so that no caster with a visible surface or shadow is culled. The
-// words of `needed_states` are copied for `deform`, which sets all positions of culled casters to (0, 0, 0), and for
-// `cull_lights`, which gives them no lights. Claim: docs/numerics/scene.md, "Deforming casters that a frame needs".
+// poses. Dispatched before `deform`, an invocation a caster. A frame needs the caster if a view may see it, or may see its
+// shadow from one of its lights that affects it. Tests have slack, so that no caster with a visible surface or shadow is
+// culled. The words of `needed_states` are copied for `deform`, which sets all positions of culled casters to (0, 0, 0), and
+// for `cull_lights`, which gives them no lights. Claim: docs/numerics/scene.md, "Deforming casters that a frame needs".
 
 #import common/casters
 #import shadow/culling
@@ -23,7 +23,7 @@ struct NeedsDispatch {
 
 @group(0) @binding(0) var<uniform> frame: NeedsDispatch;
 // For each view an entry for each light up to the last, at least one. All have the view, also for lights that it leaves out
-// or that were removed.
+// or that were removed. `version.x` is 1 if it has the light, else 0.
 @group(0) @binding(1) var<storage, read> view_lights: array<ViewLight>;
 // For each caster: xyz the lowest corner of its box in world space, w 1 if it has a box and 0 if not; xyz the highest corner;
 // then the bits of its lights. A caster without a box is needed.
@@ -32,16 +32,20 @@ struct NeedsDispatch {
 // submitted.
 @group(0) @binding(3) var<storage, read_write> needed_states: array<u32>;
 
-// Whether light `light_index` of a view may affect a box, and the view's camera may see the shadow of the box. Returns false
+// Whether a view has light `light_index`, which may affect a box, and its camera may see the shadow of the box. Returns false
 // only if this is certainly not so.
 fn may_shade(view: u32, light_index: u32, low: vec3<f32>, high: vec3<f32>) -> bool {
-  let light = view_lights[view * frame.lights + light_index].light;
-  let cone = view_lights[view * frame.lights + light_index].cone;
+  let entry = view * frame.lights + light_index;
+  if (view_lights[entry].version.x == 0u) {
+    return false;
+  }
+  let light = view_lights[entry].light;
+  let cone = view_lights[entry].cone;
   if (frame.cull_by_range != 0u && (is_out_of_range(light, 1.0, low, high) || !may_be_in_cone(cone, low, high, 0.0))) {
     return false;
   }
   return frame.cull_by_view == 0u ||
-    !is_volume_outside_view(view_lights[view * frame.lights + light_index].view, light, low, high);
+    !is_volume_outside_view(view_lights[entry].view, light, low, high);
 }
 
 fn is_needed(caster: u32) -> bool {

@@ -74,7 +74,7 @@ struct ViewLight {
   view: ShadowView,
   light: ShadowLight,
   // x: the version of the camera and its receivers, the number of the first encode that had both as they are. y: the offset
-  // of the view's receivers, or 0 for none. z, w: 0.
+  // of the view's receivers, or 0 for none. z, w: 0. For `needs` x is 1 if the view has the light, and the others are 0.
   version: vec4<u32>,
   cone: LightCone, // Only for `needs`.
   reserved: array<vec4<u32>, 12>,

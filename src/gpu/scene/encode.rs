@@ -45,7 +45,7 @@ impl Scene {
         let shadow_views = Self::check_views(inputs.views)?;
         let views = &*self.check_depths(inputs.views)?;
         let words = views.iter().filter_map(|view| view.depth).map(|depth| depth.words()).max().unwrap_or(0);
-        let deformed = self.take_deformed(&shadow_views);
+        let deformed = self.take_deformed(views, &shadow_views);
         let (structure, volumes) = self.prepare(views.len(), words)?;
         let needs = if deformed.is_some() { None } else { self.find_needs(views, &shadow_views)? };
         let needed_states_offset = if self.deforming.is_empty() { 0 } else { structure.needed_states_offset };

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use slotmap::DefaultKey;
 
 use super::handles::CasterHandle;
+use super::mask::LightMask;
 use crate::gpu::deform::deformer::Deformer;
 use crate::layout::ShadowView;
 use crate::model::ModelBounds;
@@ -31,10 +32,11 @@ pub(super) struct ModelEntry {
     pub(super) version: u64,
 }
 
-/// Models that were deformed for an encode of these views.
+/// Models that were deformed for an encode of these views and the lights of each.
 #[derive(Debug)]
 pub(super) struct Deformed {
     /// The states of instances, as the stage `needs` writes them.
     pub(super) states: wgpu::Buffer,
     pub(super) views: Vec<ShadowView>,
+    pub(super) lights: Vec<LightMask>,
 }

@@ -19,8 +19,8 @@ use crate::model::{Geometry, Instance, InstancePose, Model, ModelBounds, ModelEr
 impl Scene {
     /// Adds a model, and a caster for each of its instances: in the depth buffer, for all lights. Each encode computes the
     /// positions of the pose, by morph targets, skins and the displacement of `options`, for the instances that the frame
-    /// needs. A frame needs an instance if a camera may see it, or its shadow from a light that affects it. Without views it
-    /// needs all. So give a view for each camera that sees the positions, even if it draws no shadows.
+    /// needs. A frame needs an instance if a view may see it, or its shadow from a light of the view that affects it. Without
+    /// views it needs all. So give a view for each camera that sees the positions, even if it draws no shadows.
     ///
     /// [`Self::set_pose`] changes the pose. Draw the model from [`Self::positions`].
     ///

@@ -4,6 +4,7 @@ use std::sync::atomic::Ordering;
 
 use bytemuck::Zeroable;
 
+use super::mask::LightMask;
 use super::model::Deformed;
 use super::options::Measuring;
 use super::scene::Scene;
@@ -35,10 +36,10 @@ pub(super) struct Needs {
 
 impl Scene {
     /// Computes the positions of all models before [`Self::encode`]. Only programs that draw a depth for [`View::depth`]
-    /// need it. The encode does not compute the positions again if it has the same views and nothing in the scene changed.
-    /// Record both into one encoder, or submit this one before. Else the encode reads the positions of an earlier frame, and
-    /// the next encode computes all again. Depths of `inputs` are ignored. Frames of earlier encodes become
-    /// stale.
+    /// need it. The encode does not compute the positions again if it has the same views, for these lights or fewer, and
+    /// nothing in the scene changed. Record both into one encoder, or submit this one before. Else the encode reads the
+    /// positions of an earlier frame, and the next encode computes all again. Depths of `inputs` are ignored. Frames of
+    /// earlier encodes become stale.
     ///
     /// # Errors
     /// The errors of [`Self::encode`].
@@ -51,7 +52,8 @@ impl Scene {
         let uploads: Vec<_> = self.deform_uploads(&needs).collect();
         upload(self.pipelines.device(), encoder, &uploads)?;
         let states = self.record_needs(encoder, &needs, inputs.timer);
-        self.deformed = Some(Deformed { states, views });
+        let lights = inputs.views.iter().map(|view| view.lights).collect();
+        self.deformed = Some(Deformed { states, views, lights });
         // Earlier frames draw with positions that are overwritten here.
         self.encodes.fetch_add(1, Ordering::Relaxed);
         Ok(())
@@ -80,12 +82,15 @@ impl Scene {
         needs.states.clone()
     }
 
-    /// The states of instances that were deformed for an encode of these views, if the scene did not change since.
-    pub(super) fn take_deformed(&mut self, views: &[ShadowView]) -> Option<wgpu::Buffer> {
+    /// The states of instances that were deformed for an encode of these views and their lights, if the scene did not change
+    /// since.
+    pub(super) fn take_deformed(&mut self, given: &[View<'_>], views: &[ShadowView]) -> Option<wgpu::Buffer> {
         let bytes = bytemuck::cast_slice::<ShadowView, u8>;
         // Moved rigid casters do not matter to models.
         let is_same = self.structure.is_some() && self.content.lights.moved.is_empty();
-        self.deformed.take().filter(|of| is_same && bytes(&of.views) == bytes(views)).map(|of| of.states)
+        let deformed = self.deformed.take().filter(|of| is_same && bytes(&of.views) == bytes(views))?;
+        let has_lights = |(view, lights): (&View<'_>, &LightMask)| view.lights.and(lights) == view.lights;
+        given.iter().zip(&deformed.lights).all(has_lights).then_some(deformed.states)
     }
 
     /// The stage `needs` for these views. `None` without instances.
@@ -137,7 +142,8 @@ impl Scene {
             for bit in 0..lights {
                 let light = self.content.lights.get(bit);
                 let cone = light.map_or_else(LightCone::zeroed, |light| LightCone::of(&light));
-                all.push(ViewLight { cone, ..self.light_in_view(&given.camera, view, bit) });
+                let version = [u32::from(given.lights.has(bit)), 0, 0, 0];
+                all.push(ViewLight { cone, version, ..self.light_in_view(&given.camera, view, bit) });
             }
         }
         all
