@@ -412,11 +412,14 @@ shared_structs! {
         overflowed_sides: u32;
         /// Pairs whose volume ends, at the light's range or behind all receivers.
         ended: u32;
-        /// An upper bound of the stencil counts of all casters together, for any light and view. 0 unless it was requested.
+        /// The largest bound of all lights, views and batches of casters
+        /// ([`StencilCounts::count_batches`](crate::gpu::StencilCounts::count_batches)): no stencil count of a batch is
+        /// larger, but for rounding of where sides lie. 0 unless it was requested
+        /// ([`StencilCounts::bound_counts`](crate::gpu::StencilCounts::bound_counts)).
         count_bound: u32;
-        /// Pairs of light and view whose bound is larger than the largest count: 255, or less with fewer
-        /// [`count_bits`](crate::gpu::ShadowFormat::count_bits), and half as much where casters are counted in several
-        /// batches. 0 unless it was requested.
+        /// Pairs of light and view whose bound, the largest of all batches, is larger than the largest count: 255, or less
+        /// with fewer [`count_bits`](crate::gpu::ShadowFormat::count_bits), and half as much, rounded down, where casters are
+        /// counted in several batches. 0 unless it was requested.
         may_wrap: u32;
         /// Lists of sides and caps that an earlier encode made, and that are drawn again.
         cached_lists: u32;

@@ -18,7 +18,7 @@ struct ShadowStatistics {
   overflowed_caps: atomic<u32>, // Lists whose cap faces overflowed, near caps or others.
   overflowed_sides: atomic<u32>, // Lists whose sides overflowed.
   ended: atomic<u32>, // Pairs whose volume ends, at the range of the light or behind all receivers.
-  // An upper bound of the stencil counts of any light in any view. 0 unless the caller asks for it; so is the next.
+  // An upper bound of the stencil counts of any count batch, light and view. 0 unless the caller asks for it; so is the next.
   count_bound: atomic<u32>,
   may_wrap: atomic<u32>, // Pairs of light and view whose bound exceeds `ShadowShape::largest_count`.
   cached_lists: atomic<u32>, // Lists that are cached.
