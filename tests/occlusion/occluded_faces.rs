@@ -8,7 +8,7 @@ use rimline_testkit::oracle::ExactFace;
 use rimline_testkit::random::Random;
 use rimline_testkit::shapes::{self, Shape};
 
-use crate::oracle::{Point, between, corner, hides, light, sign};
+use crate::oracle::{Point, between, corner, light, occludes, sign};
 use crate::static_scenes::{Caster, StaticScene};
 
 pub(crate) fn all_left_out() -> OcclusionOptions {
@@ -57,7 +57,7 @@ pub(crate) fn check(
     most: usize,
 ) -> Result<usize, String> {
     let from = light(scene.light);
-    let (mut hiders, mut asked) = (Vec::new(), Vec::new());
+    let (mut occluders, mut asked) = (Vec::new(), Vec::new());
     for (number, caster) in scene.casters.iter().enumerate() {
         for face in 0..caster.mesh.face_count() {
             let is_occluded = occluded[number].contains(&(face as u32));
@@ -69,7 +69,7 @@ pub(crate) fn check(
                 if is_occluded {
                     asked.push((number, face, corners(caster, triangle)));
                 } else if is_planar && !(caster.mesh.is_closed() && faces_light(caster, triangle, scene.light)) {
-                    hiders.push(corners(caster, triangle));
+                    occluders.push(corners(caster, triangle));
                 }
             }
         }
@@ -82,7 +82,7 @@ pub(crate) fn check(
         weights.extend((0..5).map(|_| [(); 3].map(|()| 1 + random.below(1 << 20) as u32)));
         for weights in weights {
             let point = between(corners, weights);
-            if !hiders.iter().any(|hider| hides(hider, &from, &point)) {
+            if !occluders.iter().any(|occluder| occludes(occluder, &from, &point)) {
                 return Err(format!("caster {number}, face {face}: the point {weights:?} is not occluded"));
             }
         }
@@ -172,21 +172,21 @@ fn faces_that_the_tree_has_no_room_for_are_counted() {
 }
 
 #[test]
-fn faces_edge_on_to_the_light_are_occluded_only_where_others_hide_them() {
+fn faces_edge_on_to_the_light_are_occluded_only_where_others_occlude_them() {
     // The light is in the planes of the cube's four walls.
-    let under = |hider| StaticScene {
-        casters: vec![hider, Caster::new(shapes::cube())],
+    let under = |occluder| StaticScene {
+        casters: vec![occluder, Caster::new(shapes::cube())],
         light: Light::directional([0.0, 0.0, 1.0]),
     };
     let found = find(&under(roof(2.0, 2.0)), OcclusionOptions::default());
     assert_eq!(found.faces(1).len(), 12);
     assert_eq!([found.statistics().sides, found.statistics().sides_left], [8, 4]);
-    // An edge of each of these is in the plane of a wall, and hides a part of it.
+    // An edge of each of these is in the plane of a wall, and occludes a part of it.
     let positions = vec![[1.0, -0.5, 5.0], [-3.0, 0.0, 5.0], [1.0, 0.5, 5.0]];
     let blade = |face| Caster::new(Shape { positions: positions.clone(), faces: vec![face] });
     let blades = [[0, 1, 2], [1, 2, 0], [2, 0, 1]].map(blade);
-    for hider in [roof(1.0, 0.5), roof(0.5, 1.0)].into_iter().chain(blades) {
-        let scene = under(hider);
+    for occluder in [roof(1.0, 0.5), roof(0.5, 1.0)].into_iter().chain(blades) {
+        let scene = under(occluder);
         let occluded = lists(&scene, &find(&scene, all_left_out()));
         let count = check(&scene, &occluded, &mut Random::new(9), usize::MAX).unwrap_or_else(|error| panic!("{error}"));
         assert!(count < 4, "{occluded:?}");

@@ -1,4 +1,4 @@
-//! Brute force in big integers: does a face hide a point from a light? It shares no code with the library.
+//! Brute force in big integers: does a face occlude a point from a light? It shares no code with the library.
 
 use num_bigint::{BigInt, Sign};
 use rimline::Light;
@@ -52,7 +52,7 @@ pub(crate) fn sign(rows: [&Point; 4]) -> i32 {
 }
 
 /// Whether the segment from the light to the point, or the ray from infinity, meets the face at the point or before.
-pub(crate) fn hides([a, b, c]: &[Point; 3], light: &Point, point: &Point) -> bool {
+pub(crate) fn occludes([a, b, c]: &[Point; 3], light: &Point, point: &Point) -> bool {
     let side = sign([a, b, c, light]);
     side != 0
         && sign([a, b, c, point]) != side

@@ -1,4 +1,4 @@
-//! Polygons hide and are occluded as a whole, if they are exactly planar and convex.
+//! Polygons occlude and are occluded as a whole, if they are exactly planar and convex.
 
 use rimline::Light;
 use rimline::mesh::Weld;
@@ -56,15 +56,15 @@ fn polygons_under_a_wall_are_occluded_as_a_whole() {
 #[test]
 fn a_polygon_that_is_occluded_in_part_stays() {
     for sides in [3, 4, 6, 11] {
-        let under = |hider| {
-            let casters = vec![hider, wall(sides, 1.0, 0.0)];
+        let under = |occluder| {
+            let casters = vec![occluder, wall(sides, 1.0, 0.0)];
             find(&StaticScene { casters, light: Light::point([0.0, 0.0, 10.0]) }, all_left_out())
         };
         let found = under(wall(4, 4.0, 5.0));
         assert_eq!([found.faces(0), found.faces(1)], [&[][..], &[0]], "{sides}");
         let statistics = found.statistics();
         assert_eq!([statistics.tried, statistics.occluded, statistics.left_out], [2, 1, 1], "{sides}");
-        // A hider that covers one half leaves triangles of the fan occluded, and the polygon whole.
+        // An occluder of one half leaves triangles of the fan occluded, and the polygon whole.
         let mut half = PolygonSet::default();
         half.push_points(&[vec![[0.0, -4.0, 5.0], [4.0, -4.0, 5.0], [4.0, 4.0, 5.0], [0.0, 4.0, 5.0]]]);
         assert!(under(placed(half, 1.0, [0.0; 3])).faces(1).is_empty(), "{sides}");

@@ -1,4 +1,4 @@
-//! Random static scenes: bodies and open sheets that overlap, lie in each other, touch, coincide, or hide each other in a
+//! Random static scenes: bodies and open sheets that overlap, lie in each other, touch, coincide, or occlude each other in a
 //! circle.
 
 use rimline::mesh::Weld;
