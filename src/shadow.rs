@@ -45,8 +45,9 @@ pub enum Counting {
     #[doc(hidden)]
     ZpPlus2005,
     /// Counts what fails the depth test, with light and dark caps (Everitt and Kilgard 2002). It needs an infinite far
-    /// plane or `Features::DEPTH_CLIP_CONTROL`, and a depth pass that computes positions as the include does. With a
-    /// far plane, volumes are drawn unclipped. Casting faces that the near plane cuts may then show specks of shadow.
+    /// plane or `Features::DEPTH_CLIP_CONTROL`, and a depth pass with the bits of the include's `rimline_clip`, or of
+    /// `CasterPositions::Rigid` for rigid casters that are moved. With a far plane, volumes are drawn unclipped. Casting
+    /// faces that the near plane cuts may then show specks of shadow.
     ZFail,
 }
 

@@ -32,6 +32,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("figures_walk_out_of_need_and_back", histories),
     ("a_deform_that_is_dropped_spoils_one_frame", dropped),
     ("needs_of_more_instances_than_a_row_of_workgroups_takes", several_rows),
+    ("lights_of_each_batch_need_figures", batches),
     ("needs_are_switched_off", off),
     ("models_that_are_displaced", displaced),
     ("resources_of_displacements_may_change_and_are_checked", resources),
@@ -41,6 +42,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("models_that_are_refused_change_nothing", refusals),
 ];
 
+/// Lists and caps have room for all. A draw of one that overflowed would have more instances.
 fn options() -> SceneOptions {
     SceneOptions {
         capacities: Capacities { lists: Some(u32::MAX), caps: Some(u32::MAX), ..Default::default() },
@@ -64,6 +66,7 @@ struct Play {
     scene: Scene,
     model: ModelHandle,
     lights: Vec<LightHandle>,
+    /// Whether [`exclude`] was called.
     excludes: bool,
     next: Moment,
 }
@@ -76,7 +79,7 @@ struct Recorded {
     moment: Moment,
 }
 
-/// Counts of frames.
+/// Counts of a frame, or sums over frames.
 #[derive(Debug, Default)]
 struct Drawn {
     culled: u32,
@@ -116,7 +119,8 @@ impl Play {
         self.scene.deform(encoder, FrameInputs::new(&views(cameras))).map_err(text)
     }
 
-    /// Records a frame into an encoder, in which the models may be deformed already.
+    /// Records a frame into an encoder, in which the models may be deformed already. Call [`Self::set_pose`] before, if
+    /// figures changed.
     fn record(&mut self, mut encoder: wgpu::CommandEncoder) -> Result<Recorded, String> {
         let inputs = views(&self.next.cameras);
         let frame = self.scene.encode(&mut encoder, FrameInputs::new(&inputs)).map_err(text)?;
@@ -135,7 +139,7 @@ impl Play {
         volumes(&self.gpu, frame, self.next.cameras.len())
     }
 
-    /// For each figure whether all its vertices are at the origin, as those of a culled one.
+    /// For each figure whether all its vertices are at the origin: it is culled, or nothing was deformed so far.
     fn culled(&self) -> Result<Vec<bool>, String> {
         let found = self.positions()?;
         let walkers = found.chunks(found.len() / self.next.walkers.len());
@@ -152,7 +156,7 @@ impl Play {
         self.gpu.read(self.scene.positions(self.model).map_err(text)?.buffer, usize::MAX)
     }
 
-    /// A scene of the same whose caller deforms everything.
+    /// A new scene of a moment. Its caller deforms everything.
     fn apart(&self, moment: &Moment, deforming: DeformerOptions<'_>) -> Result<Apart, String> {
         let pose = self.crowd.pose(&moment.walkers)?;
         Apart::new(&self.gpu, &self.crowd, &pose, &moment.lights, (options(), deforming))
@@ -244,7 +248,8 @@ fn number_of(culled: &[bool]) -> u32 {
     culled.iter().filter(|is_culled| **is_culled).count() as u32
 }
 
-/// Fails if a camera sees a point of a culled figure, or of its shadow within a light's range and cone. Shares no code.
+/// Fails if a camera sees one of some points at random in a culled figure's box, or one of their shadows within a light's
+/// range and cone. Shares no code but for the box.
 fn check_culled(
     [low, high]: Box3,
     mask: u32,
@@ -275,7 +280,7 @@ fn check_culled(
     Ok(())
 }
 
-/// Random sizes, masks, lights and cameras, and figures without a box, since numbers of their pose overflow.
+/// Random sizes, masks, lights and cameras, and figures without a box, since numbers of their pose may overflow.
 fn nothing_visible() -> Result<(), String> {
     let (mut culled, mut needed, mut noticed, mut boxless) = (0, 0, 0, 0);
     for seed in 4101..if is_long() { 4301 } else { 4111 } {
@@ -314,14 +319,15 @@ fn nothing_visible() -> Result<(), String> {
         }
     }
     println!("{culled} figures culled, {noticed} seen, {needed} others needed, {boxless} without a box");
-    // Few figures are deformed without need: boxes near the frustum's edges, and boxes that samples miss.
+    // Few figures are deformed without need: those without a box, boxes near the frustum's edges, and boxes that samples
+    // miss.
     let is_meant = culled > 500 && noticed > 300 && needed < noticed && boxless > 50;
     if is_meant { Ok(()) } else { Err("too few of a kind".to_owned()) }
 }
 
 /// A view many times over. Only its last copy decides that a figure is culled, so loops have all their turns. llvmpipe
-/// ends an invocation's loops after 65,535 turns without a word. An invocation tests 2,500 boxes, views times lights and
-/// one more; with more, all casters are needed.
+/// ends an invocation's loops after 65,535 turns without a word. An invocation tests at most 2,500 boxes (`NEEDS_BOXES`): for
+/// each view one, and one for each light. If there are more, all casters are needed.
 fn most_views() -> Result<(), String> {
     let mut play = Play::new(4601, 60)?;
     let most = 2500 / (play.next.lights.len() + 1);
@@ -457,7 +463,7 @@ fn dropped() -> Result<(), String> {
         same("overwritten", &[before.check_current()], &[Err(ShadowError::StaleFrame)])?;
         // The positions of this frame were never computed.
         let spoilt = play.record(encoder(&play.gpu))?;
-        play.gpu.queue.submit([spoilt.encoder.finish()]);
+        must_fail("the spoilt frame", &play.check(spoilt))?;
         let recorded = play.record(encoder(&play.gpu))?;
         play.check(recorded).map_err(|error| format!("frame {number}: {error}"))?;
     }
@@ -526,7 +532,7 @@ fn occluded() -> Result<(), String> {
     play.gpu.submit(|encoder| other.encode(encoder, (&pose, 0.0), &[]))?;
     let positions = other.positions(&play.gpu)?.into_iter().map(|p| p.map(f32::from_bits)).collect::<Vec<_>>();
     let mesh = play.crowd.model.geometries()[0].mesh().map_err(text)?;
-    // The first versions that a scene counts, and those of the caller.
+    // Version 1 is also the scene's own for the first pose of a model.
     let walkers = positions.chunks(positions.len() / 3);
     let searched: Vec<_> =
         walkers.map(|positions| OcclusionCaster { mesh: &mesh, positions, version: Some(1) }).collect();
@@ -586,6 +592,7 @@ fn removed_mesh() -> Result<(), String> {
         let mut late = encoder(&play.gpu);
         let frame = play.scene.encode(&mut late, FrameInputs::default()).map_err(text)?;
         let groups = frame.results().map_err(text)?.groups;
+        // The cube is the last caster, so its group is the last.
         let lists = groups.last().ok_or("no group")?.lists.clone();
         if is_late {
             play.scene.remove(caster).map_err(text)?;
@@ -647,7 +654,7 @@ fn resources() -> Result<(), String> {
     same("after", &positions(&mut scene)?, &expected(2.0))
 }
 
-/// An instance without a state is computed in each frame.
+/// An instance that the second row leaves out would have no state, and so would never be cached.
 fn several_rows() -> Result<(), String> {
     let gpu = limited(1 << 27, 1 << 28, 2)?;
     let crowd = Crowd::new(130)?;
@@ -664,7 +671,34 @@ fn several_rows() -> Result<(), String> {
     same("pairs, and cached ones", &pairs, &[[130, 0], [130, 130]])
 }
 
-/// Calls that instances refuse, and poses that do not fit.
+/// A camera looks away from all figures. Only a light from behind throws their shadows before it.
+fn batches() -> Result<(), String> {
+    let mut play = Play::new(4701, 3)?;
+    let mut camera = play.next.cameras[0];
+    let forward = [0, 1, 2].map(|axis| camera.view_projection[axis][3]);
+    camera.origin = forward.map(|c| 1e4 * c);
+    let [ahead, behind] = [forward, forward.map(|c| -c)].map(Light::directional);
+    play.next.lights = vec![ahead; 160];
+    let options = SceneOptions { max_lights: 160, ..options() };
+    (play.scene, play.model, play.lights) = staged(&play.gpu, &play.crowd, &play.next, options)?;
+    let inputs = views(&[camera]);
+    for bit in [0, 31, 32, 127, 128, 159] {
+        let handle = play.lights[bit];
+        for (what, light, mask, expected) in [
+            ("behind", behind, LightMask::ALL, 0),
+            ("for no caster", behind, LightMask::ALL.without(handle), 3),
+            ("ahead", ahead, LightMask::ALL, 3),
+        ] {
+            play.scene.set_light(handle, light).map_err(text)?;
+            play.set_all(mask)?;
+            play.gpu.submit(|encoder| play.scene.deform(encoder, FrameInputs::new(&inputs)).map_err(text))?;
+            same(&format!("light {bit} {what}"), &[number_of(&play.culled()?)], &[expected])?;
+        }
+    }
+    Ok(())
+}
+
+/// Calls that instances refuse, poses that do not fit, a displacement without a layout, and handles of another scene.
 fn refusals() -> Result<(), String> {
     let [mut play, fewer] = [Play::new(4501, 4)?, Play::new(4502, 3)?];
     let (pose, other_pose) = (play.pose()?, fewer.pose()?);

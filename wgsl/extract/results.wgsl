@@ -4,7 +4,7 @@
 // `Extraction::draw`. A light of another batch has no edge. GROUP is the index of the bind group that
 // `Extraction::bind_group` makes. If a light's list overflowed, its draw has an instance for every edge record, and `valid`
 // marks the silhouettes; `rimline_edge_vertex` draws nothing for the others. Callers and src/gpu/extract/include.rs use the
-// names and bindings: they must not change.
+// names and bindings: they must not change. Callers get this file as it is, so it has no `#import` and no `#if`.
 
 struct RimlineInfo {
   edges: u32,
@@ -24,7 +24,8 @@ struct RimlineInfo {
 
 // An edge for one light.
 struct RimlineSilhouette {
-  // False: no silhouette, so draw none. A list that overflowed has such edges. `winding` has no meaning.
+  // False: no silhouette, so draw none. The draw of a list that overflowed has such edges, and so has a light of another
+  // batch. `winding` has no meaning then. The rest holds, for creases and marks (interface/outlined.wgsl).
   valid: bool,
   // The index of the edge record, and its vertices. Face 0 traverses the edge a -> b.
   edge: u32,
@@ -51,19 +52,20 @@ fn rimline_position(vertex: u32) -> vec3<f32> {
     vec3<u32>(rimline_positions[word], rimline_positions[word + 1u], rimline_positions[word + 2u]));
 }
 
-// A position in clip space. A depth pass that computes positions in this way, from the matrix and origin of the
-// `ShadowCamera`, has the same bits as light caps. z-fail needs this.
+// A position of world space in clip space. z-fail needs a depth pass that has the same bits as light caps. It has them if
+// it computes positions in this way, from the matrix and origin of the `ShadowCamera`, and its position is `@invariant`.
+// Volumes of moved rigid casters round otherwise (`CasterPositions::Rigid`).
 fn rimline_clip(view_projection: mat4x4<f32>, origin: vec3<f32>, position: vec3<f32>) -> vec4<f32> {
   let q = position - origin;
   return view_projection[0] * q.x + view_projection[1] * q.y + view_projection[2] * q.z + view_projection[3];
 }
 
-// Whether the bound batch has a light.
+// Whether the bound batch has this light.
 fn rimline_has_light(light: u32) -> bool {
   return light - rimline_info.first_light < rimline_info.lights;
 }
 
-// The bit of a light in the masks of the batch.
+// The bit of a light in the masks of its batch.
 fn rimline_light_bit(light: u32) -> u32 {
   return 1u << ((light - rimline_info.first_light) & 31u);
 }
@@ -129,7 +131,8 @@ fn rimline_corner(vertex: u32) -> u32 {
 
 // The end of a silhouette edge at vertex `vertex` of the draw: its position, with w = 1. A caller multiplies it by its
 // camera's matrix. Seen from the light, the edge's faces lie to the left from the first end to the second. If the instance
-// is no silhouette, all components are 0 for all its vertices. They stay 0 under each matrix, so nothing is drawn.
+// is no silhouette, all components are 0 for all its vertices. They stay 0 under each matrix, so nothing is drawn. Both
+// sides of a quad have these ends, so it has no area until the caller moves its corners apart (`rimline_corner`).
 fn rimline_edge_vertex(light: u32, instance: u32, vertex: u32) -> vec4<f32> {
   let edge = rimline_silhouette(light, instance);
   if (!edge.valid) {

@@ -21,13 +21,13 @@ use crate::stages::source;
 ///
 /// | function | result |
 /// |---|---|
-/// | `rimline_edge_vertex(light: u32, instance: u32, vertex: u32) -> vec4<f32>` | The position of the edge's end at this vertex, with `w` = 1, for your matrix. Seen from the light, the edge's faces lie to the left from the first end to the second. All zeros if the instance is no silhouette: nothing is drawn then, by any matrix |
+/// | `rimline_edge_vertex(light: u32, instance: u32, vertex: u32) -> vec4<f32>` | The position of the edge's end at this vertex, with `w` = 1, for your matrix. Seen from the light, the edge's faces lie to the left from the first end to the second. All zeros if the instance is no silhouette: nothing is drawn then, by any matrix. Both sides of a quad have these ends: it shows nothing until you move its corners apart, by `rimline_corner` |
 /// | `rimline_corner(vertex: u32) -> u32` | The corner of the edge's quad, in the order of a strip: bit 0 is the end, bit 1 the side |
 /// | `rimline_silhouette(light: u32, instance: u32) -> RimlineSilhouette` | The edge itself. Check its `valid` |
 /// | `rimline_silhouettes(light: u32) -> u32` | The number of silhouette edges, including those that a list has no room for |
 /// | `rimline_edge(light: u32, edge: u32) -> RimlineSilhouette` | Any edge record, `valid` if it is a silhouette |
 /// | `rimline_position(vertex: u32) -> vec3<f32>` | The position of a vertex of the mesh |
-/// | `rimline_clip(view_projection: mat4x4<f32>, origin: vec3<f32>, position: vec3<f32>) -> vec4<f32>` | A position in clip space, in the same bits as light caps. z-fail needs a depth pass that computes positions so |
+/// | `rimline_clip(view_projection: mat4x4<f32>, origin: vec3<f32>, position: vec3<f32>) -> vec4<f32>` | A position of world space in clip space, in the same bits as light caps. z-fail needs a depth pass that computes positions so, with an `@invariant` output. Volumes of moved rigid casters round otherwise: see [`CasterPositions::Rigid`](crate::gpu::CasterPositions::Rigid) |
 /// | `rimline_faces_light(face: u32, light: u32) -> bool` | Whether a triangle faces the light |
 /// | `rimline_is_twisted(face: u32, light: u32) -> bool` | Whether the polygon of a triangle is twisted as seen from the light, so that it counts nowhere |
 /// | `rimline_has_light(light: u32) -> bool` | Whether the encode has the light, in the bound batch |
@@ -52,6 +52,8 @@ use crate::stages::source;
 /// | `position_offset: u32`, `position_stride: u32` | The word of vertex 0 in `rimline_positions`, and the words from one vertex to the next |
 /// | `twisted_offset: u32` | Where twisted masks lie behind the facing masks, or 0 |
 /// | `vertices_per_edge: u32` | Vertices that the draw has for each edge, by [`EdgeTopology`](crate::gpu::EdgeTopology) |
+///
+/// This shader draws lines, by a list with [`EdgeTopology::LineList`](crate::gpu::EdgeTopology::LineList):
 ///
 /// ```
 /// let shader = rimline::gpu::include_wgsl(0) + "
