@@ -452,6 +452,8 @@ impl OutlinePipeline {
             return Err(OutlineError::Vertices { given });
         }
         let edges = shared.shape.edges;
+        // Marks of no edges may be a buffer of 0 bytes, which cannot be bound.
+        let marked = marked.filter(|_| edges > 0);
         let needed = 4 * edges.div_ceil(32) as u64;
         if let Some(given) = marked.map(wgpu::Buffer::size).filter(|&given| given < needed) {
             return Err(OutlineError::Marks { given, needed, edges });

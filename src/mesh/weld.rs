@@ -14,7 +14,7 @@ pub use distance::WeldDistance;
 /// Which vertices are welded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Weld {
-    /// Vertices with equal position bits (−0 equals +0) and equal skin and morph data.
+    /// Vertices whose positions, skin and morph data have equal bits, where −0 equals +0.
     #[default]
     Data,
     /// Vertices with equal position bits (−0 equals +0). All of them take the skin and morph data of the lowest source

@@ -284,7 +284,7 @@ impl Geometry {
         let skin = self.influences.iter().flat_map(move |influences| {
             let range = influences.range(v);
             let entries = range.len() as u32;
-            let weights = influences.weights[range.clone()].iter().map(|w| w.to_bits());
+            let weights = influences.weights[range.clone()].iter().map(|&w| bits(w));
             std::iter::once(entries).chain(influences.joints[range].iter().copied()).chain(weights)
         });
         morph.chain(skin)

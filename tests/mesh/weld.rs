@@ -1,17 +1,17 @@
-//! Welding against a brute-force oracle that is written from its definition.
+//! Welding by positions and by data, against a brute-force oracle that is written from its definition.
 
 use rimline::mesh::{Weld, WeldCounts};
 use rimline::{Geometry, GeometryOptions, Influences, Mesh};
 use rimline_testkit::random::Random;
 
-/// A geometry's parts, numbers of vectors as bits.
+/// A geometry's parts, floats as bits.
 #[derive(Debug, PartialEq)]
 struct Parts {
     positions: Vec<[u32; 3]>,
     faces: Vec<[u32; 3]>,
     morph_targets: Vec<Vec<[u32; 3]>>,
-    /// Joints and weights of each vertex.
-    entries: Vec<Vec<(u32, f32)>>,
+    /// The joints of each vertex, each with its weight.
+    entries: Vec<Vec<[u32; 2]>>,
     source_vertices: Vec<u32>,
 }
 
@@ -21,7 +21,7 @@ impl From<&Geometry> for Parts {
         let entries = |v: usize| {
             let Some(influences) = geometry.influences() else { return Vec::new() };
             let range = influences.offsets()[v] as usize..influences.offsets()[v + 1] as usize;
-            range.map(|entry| (influences.joints()[entry], influences.weights()[entry])).collect()
+            range.map(|entry| [influences.joints()[entry], influences.weights()[entry].to_bits()]).collect()
         };
         Self {
             positions: bits(geometry.positions()),
@@ -33,16 +33,21 @@ impl From<&Geometry> for Parts {
     }
 }
 
+/// The bits of a float, those of +0 for −0.
+fn without_sign_of_zero(bits: u32) -> u32 {
+    if bits == 1 << 31 { 0 } else { bits }
+}
+
 impl Parts {
-    /// The definition, word for word and quadratic: for every vertex the lowest one that it is the same as. Numbers are the same if
-    /// they are equal, −0 like +0; a NaN equals itself if all its bits do.
+    /// The definition, word for word and quadratic: for every vertex the lowest one that it is the same as. Floats are
+    /// the same if their bits are, also those of NaN; −0 is the same as +0.
     fn groups(&self, weld: Weld) -> Vec<usize> {
-        let same_vector = |a: [u32; 3], b: [u32; 3]| (0..3).all(|c| a[c] == b[c] || (a[c] | b[c]) << 1 == 0);
+        let same_vector = |a: [u32; 3], b: [u32; 3]| a.map(without_sign_of_zero) == b.map(without_sign_of_zero);
+        let entries = |v: usize| self.entries[v].iter().map(|&[joint, weight]| [joint, without_sign_of_zero(weight)]);
         let same = |a: usize, b: usize| {
             let position = same_vector(self.positions[a], self.positions[b]);
             let data = || {
-                self.morph_targets.iter().all(|target| same_vector(target[a], target[b]))
-                    && self.entries[a] == self.entries[b]
+                self.morph_targets.iter().all(|target| same_vector(target[a], target[b])) && entries(a).eq(entries(b))
             };
             match weld {
                 Weld::Keep => a == b,
@@ -77,17 +82,18 @@ impl Parts {
             faces: self.faces.iter().map(|face| face.map(renamed)).collect(),
             morph_targets: self.morph_targets.iter().map(|target| pick(target)).collect(),
             entries: kept.iter().map(|&v| self.entries[v].clone()).collect(),
-            source_vertices: kept.iter().map(|&v| v as u32).collect(),
+            source_vertices: kept.iter().map(|&v| self.source_vertices[v]).collect(),
         }
     }
 }
 
 /// Vertices of few positions, offsets, joints and weights, so that many are the same in all but one of these. Zeros have
-/// both signs, and some components are no numbers.
+/// both signs. Vectors of odd seeds may have components that are infinite or NaN.
 fn geometry(seed: u64) -> Geometry {
     let mut random = Random::new(seed);
-    let numbers = [0.0, -0.0, 0.0, -0.0, 1.0, -1.0, f32::MIN_POSITIVE, f32::NAN, f32::from_bits(0x7fc0_0001)];
-    let few = if seed.is_multiple_of(2) { 4 } else { numbers.len() };
+    let [subnormal, nan] = [1, 0x7fc0_0001].map(f32::from_bits);
+    let numbers = [0.0, -0.0, 0.0, -0.0, 1.0, -1.0, subnormal, f32::INFINITY, f32::NAN, nan];
+    let few = if seed.is_multiple_of(2) { 5 } else { numbers.len() };
     let count = 2 + random.below(60);
     let vector = |random: &mut Random| [(); 3].map(|()| numbers[random.below(few)]);
     let targets = random.below(3);
@@ -98,9 +104,9 @@ fn geometry(seed: u64) -> Geometry {
     let influences = skinned.then(|| {
         let (mut offsets, mut joints, mut all_weights) = (vec![0], Vec::new(), Vec::new());
         for _ in 0..count {
-            // One joint or two, of weights that are the same in one case of four.
-            let weights = [&[1.0][..], &[0.5, 0.5], &[0.25, 0.75], &[0.75, 0.25]][random.below(4)];
-            for &weight in weights {
+            // Up to two joints. Some weights are the same but for their order, or the sign of a zero.
+            let choices = [&[1.0][..], &[], &[0.5, 0.5], &[0.25, 0.75], &[0.75, 0.25], &[0.0, 1.0], &[-0.0, 1.0]];
+            for &weight in choices[random.below(choices.len())] {
                 joints.push(random.below(2) as u32);
                 all_weights.push(weight);
             }
@@ -109,11 +115,12 @@ fn geometry(seed: u64) -> Geometry {
         Influences::new(offsets, joints, all_weights).expect("good influences")
     });
     let faces = (0..=random.below(20)).map(|_| [(); 3].map(|()| random.below(count) as u32)).collect();
-    let options = GeometryOptions { morph_targets, influences, ..GeometryOptions::default() };
+    let source_vertices = (random.below(2) == 0).then(|| (0..count).map(|_| random.below(100) as u32).collect());
+    let options = GeometryOptions { morph_targets, influences, source_vertices, ..GeometryOptions::default() };
     Geometry::new(positions, faces, options).expect("a good geometry")
 }
 
-/// Positions are all that a mesh has.
+/// A mesh has no data but positions, so that [`Weld::Data`] is [`Weld::Position`] there.
 #[test]
 fn geometries_and_meshes_weld_as_defined() {
     let (mut welded_away, mut apart) = (0, 0);

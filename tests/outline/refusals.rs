@@ -4,8 +4,8 @@ use rimline::gpu::{
     EdgeTopology, Extractor, ExtractorOptions, FrameInputs, ListOptions, OutlineError, OutlineFormat, OutlineInputs,
     OutlinePipeline, OutlineSource, OutlineStyle, PositionBuffer, ShadowError,
 };
-use rimline::{DepthDirection, Light, ShadowCamera};
-use rimline_testkit::cases::case;
+use rimline::{DepthDirection, Light, Mesh, ShadowCamera};
+use rimline_testkit::cases::{case, without_extent};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
@@ -104,15 +104,17 @@ fn refused() -> Result<(), String> {
     let (_, positions, mesh) = case("torus", shapes::torus(24, 16, 1.0, 0.4));
     let vertices = gpu.storage(&positions);
     let positions = PositionBuffer { buffer: &vertices, offset: 0, stride: 12 };
-    let encoded = |topology| {
+    let encoded = |mesh: &Mesh, topology| {
         let lists = Some(ListOptions { topology, ..ListOptions::default() });
         let options = ExtractorOptions { lists, ..ExtractorOptions::default() };
-        let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
+        let mut extractor = Extractor::new(&gpu.pipelines, mesh, options).map_err(text)?;
         let extraction = gpu.submit(|encoder| extractor.encode(encoder, positions, &[LIGHT]).map_err(text))?;
         Ok::<_, String>((extractor, extraction))
     };
-    let (_, two) = encoded(EdgeTopology::LineList)?;
-    let (mut extractor, four) = encoded(EdgeTopology::TriangleStrip)?;
+    let (_, two) = encoded(&mesh, EdgeTopology::LineList)?;
+    let (mut extractor, four) = encoded(&mesh, EdgeTopology::TriangleStrip)?;
+    let [nothing, ..] = without_extent();
+    let (_, without_edges) = encoded(&nothing, EdgeTopology::TriangleStrip)?;
     let pipeline = outlines(gpu)?;
     let usage = wgpu::TextureUsages::TEXTURE_BINDING;
     let [one, several] = [1, 4].map(|samples| depth(gpu, samples, usage));
@@ -129,6 +131,11 @@ fn refused() -> Result<(), String> {
     let descriptor = wgpu::BufferDescriptor { label: None, size: 146, usage, mapped_at_creation: false };
     let longer = gpu.device.create_buffer(&descriptor);
     pipeline.prepare(&OutlineInputs { marked: Some(&longer), ..good }).map_err(text)?;
+    // No edges have marks of no bytes.
+    let empty = gpu.device.create_buffer(&wgpu::BufferDescriptor { size: 0, ..descriptor });
+    let style_of_marks = OutlineStyle { marked: Some([1.0; 4]), ..default };
+    let no_marks = OutlineInputs { marked: Some(&empty), style: style_of_marks, ..of(&without_edges, 0) };
+    draw_small(gpu, &pipeline.prepare(&no_marks).map_err(text)?)?.map_err(text)?;
     let rows = [
         ("lines", of(&two, 0), "draws 2 vertices for each edge, and outlines need 4"),
         ("no light", of(&four, 1), "light 1 asked for, and 1 lights were extracted"),

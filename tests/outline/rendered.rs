@@ -79,15 +79,19 @@ pub(crate) fn corners((_, positions, mesh): &Case) -> Vec<[f32; 3]> {
 pub(crate) fn render(gpu: &Gpu, inputs: &Inputs<'_>) -> Result<Vec<u8>, String> {
     let Inputs { case, camera, light, style, marks, capacity, attachments } = *inputs;
     let (_, positions, mesh) = case;
+    // With 33 others before it the light is in the second batch.
+    let others = if attachments.is_attached { 33 } else { 0 };
+    let mut lights = vec![Light::point([3.0, 4.0, 5.0]); others];
+    lights.push(light);
     let lists = Some(ListOptions { capacity, ..ListOptions::default() });
-    let options = ExtractorOptions { lists, ..ExtractorOptions::default() };
+    let options = ExtractorOptions { max_lights: lights.len(), lists, ..ExtractorOptions::default() };
     let mut extractor = Extractor::new(&gpu.pipelines, mesh, options).map_err(text)?;
     let vertices = gpu.storage(positions);
     let marks = marks.map(|marks| gpu.storage(marks));
     Picture { camera, corners: corners(case), attachments }.ink(gpu, |encoder, outlines, depth| {
         let positions = PositionBuffer { buffer: &vertices, offset: 0, stride: 12 };
-        let extraction = extractor.encode(encoder, positions, &[light]).map_err(text)?;
-        let of = OutlineSource::Extraction(&extraction, 0);
+        let extraction = extractor.encode(encoder, positions, &lights).map_err(text)?;
+        let of = OutlineSource::Extraction(&extraction, others);
         let marked = marks.as_ref();
         outlines.prepare(&OutlineInputs { of, camera, depth, style, marked }).map_err(text)
     })
