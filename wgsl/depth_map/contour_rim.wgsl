@@ -3,8 +3,9 @@
 // `contour_marks`. Importers bind what contour.wgsl has, and `marks`.
 // A contour is where a surface ends before another as the light sees it. It crosses the marked edges between samples.
 // Offsets from a sample are in 1/256 texel, in the direction of a step.
-// All is integer arithmetic, so results are the same on every device. Walls and near caps close because both take surfaces
-// from `surface_distance`: do not compute them elsewhere. docs/numerics/contours.md, "Jumps and crossings" and "Heights".
+// All is integer arithmetic, so results are the same on every device. At marked edges walls and near caps close because both
+// take surfaces from `surface_distance`: do not compute them elsewhere. Only in the middle of a junction walls have other
+// ones (contour_walls.wgsl). docs/numerics/contours.md, "Jumps and crossings" and "Heights".
 
 #import depth_map/contour
 
@@ -14,7 +15,9 @@ const RIM_OVERSHOOT: i32 = 24;
 const RIM_STRICTNESS: i32 = 5;
 
 // The offset of the rim of a smooth surface from its last sample, which must not be FAR, up to TEXEL. UNKNOWN: one of the four
-// edges before it is marked, samples are not on a conic, or the rim is farther.
+// edges before it is marked, samples are not on a conic that `fit_conic` takes, the conic turns back within two texels, or
+// the rim is farther.
+// The walk back stays on the lattice: its border is FAR, and edges between FAR and other samples are marked.
 fn rim_offset(last: vec2<i32>, step: vec2<i32>) -> i32 {
   for (var index = 0; index < 4; index++) {
     if (is_marked_before(last - index * step, step)) {
@@ -30,6 +33,7 @@ fn rim_offset(last: vec2<i32>, step: vec2<i32>) -> i32 {
   let square = (conic.rim_difference * conic.rim_difference) >> 12u;
   let curve = (conic.square_difference - conic.previous_square_difference) >> 13u;
   let slope = (conic.square_difference + (conic.square_difference - conic.previous_square_difference) / 2) >> 12u;
+  // The search needs a right side that grows over two texels.
   if (curve * 4 < -slope) {
     return UNKNOWN;
   }
@@ -44,11 +48,12 @@ fn rim_offset(last: vec2<i32>, step: vec2<i32>) -> i32 {
   return select(min(offset, TEXEL), UNKNOWN, offset > TEXEL + RIM_OVERSHOOT);
 }
 
-// How much the distance of a surface grows from its last sample, which must not be FAR, to an offset. It grows at the rate of
-// the last difference, or not at all if the edge before the sample is marked. `approach_bound` (depth_near.wgsl) relies on
-// it: a surface comes nearer to the light at no larger rate.
-// Before a rim the surface bends away from the light. There the rate is multiplied by the square of the last ratio of
-// differences, which is at most 2.
+// How much the distance of a surface grows from its last sample, which must not be FAR, to an offset of at most TEXEL. It
+// grows at the rate of the last difference, or not at all if the edge before the sample is marked. Without a threshold the
+// rate is the minmod of the last two differences, if the surface has two. `approach_bound` (depth_near.wgsl) relies on this: a
+// surface comes nearer to the light at no larger rate than the last difference.
+// Before a rim the surface bends away from the light. So where differences grow, the rate is multiplied by the square of
+// their ratio. The ratio counts as 2 if it is larger, and the difference as RANGE / 8.
 fn extrapolated_rise(sample: vec2<i32>, step: vec2<i32>, offset: i32) -> i32 {
   if (is_marked_before(sample, step)) {
     return 0;
@@ -72,8 +77,9 @@ fn extrapolated_rise(sample: vec2<i32>, step: vec2<i32>, offset: i32) -> i32 {
   return scale_256ths(scale_256ths(scale_256ths(min(last_difference, RANGE / 8), offset), ratio), ratio);
 }
 
-// The distance, with the bias, of the surface of a sample at an offset, or FAR if the sample is. If `min_texels` is above 0,
-// the surface goes away from the light by at least so many times the last difference, unless that may be a jump. In any case
+// The distance, with the bias, of the surface of a sample at an offset of at most TEXEL, or FAR if the sample is. If
+// `min_texels` is above 0, the surface goes away from the light by at least so many times the last difference, which counts
+// as RANGE / 8 if it is larger, and as 0 if it is negative or may be a jump. Then the surface never comes nearer. In any case
 // it goes at most half of the way to the far end.
 fn surface_distance(sample: vec2<i32>, step: vec2<i32>, offset: i32, min_texels: i32) -> i32 {
   let distance = load_distance(sample);

@@ -131,7 +131,11 @@ fn adapter(gpu: &Gpu, measured: &Measured) -> Result<Adapter, Error> {
 
 fn failure(error: Error, gpu: Option<&Gpu>) -> Failure {
     // Meshes that the CPU takes were measured there.
-    let of_gpu = |error: GpuError, gpu: &Gpu| error.on(&Gpu { cpu_would_do: false, ..gpu.clone() });
+    let of_gpu = |error: GpuError, gpu: &Gpu| {
+        let mut gpu = gpu.clone();
+        gpu.cpu_would_do = false;
+        error.on(&gpu)
+    };
     match (error, gpu) {
         (Error::Stopped, _) => Failure::Interrupted,
         (Error::Deform(error), Some(gpu)) => of_gpu(error.into(), gpu),

@@ -15,27 +15,33 @@ use crate::model::ModelBounds;
 pub(super) struct ModelEntry {
     pub(super) deformer: Deformer,
     pub(super) bounds: ModelBounds,
+    /// Whether the deformer has a displacement.
     pub(super) is_displaced: bool,
-    /// Vertices and faces of each geometry.
+    /// The number of vertices, and the faces, of each geometry.
     pub(super) geometries: Vec<(usize, Box<[[u32; 3]]>)>,
-    /// The geometry of each instance.
+    /// The index of each instance's geometry.
     pub(super) instances: Vec<usize>,
-    /// The mesh of each geometry, and with faces turned, if an instance ever had it.
+    /// The mesh of a geometry, by its index and whether faces are turned. Only those that a pose needed, until the model is
+    /// removed.
     pub(super) meshes: HashMap<(usize, bool), DefaultKey>,
-    /// The casters of the instances.
+    /// The caster of each instance, in the order of instances. Empty before the first pose.
     pub(super) casters: Vec<CasterHandle>,
-    /// The current pose for the stage, with time and bind group of the displacement.
+    /// The current pose, as the stage `deform` reads it.
     pub(super) words: Vec<u32>,
+    /// The time for the displacement.
     pub(super) time_s: f32,
+    /// The bind group of the displacement.
     pub(super) resources: Option<wgpu::BindGroup>,
-    /// The number of poses so far.
+    /// The number of poses so far. The positions of an instance have the number of its last pose that differed, or none if
+    /// the displacement has resources.
     pub(super) version: u64,
 }
 
-/// Models that were deformed for an encode of these views and the lights of each.
+/// The result of `Scene::deform`: all models were deformed for the next encode. It holds if that has these views, their lights
+/// or fewer, and neither a pose, a light nor the layout changes before (`Scene::take_deformed`).
 #[derive(Debug)]
 pub(super) struct Deformed {
-    /// The states of instances, as the stage `needs` writes them.
+    /// The states of instances, as the stage `needs` writes them: a word each, in the order of `Scene::deforming`.
     pub(super) states: wgpu::Buffer,
     pub(super) views: Vec<ShadowView>,
     pub(super) lights: Vec<LightMask>,
