@@ -13,7 +13,7 @@ pub enum Method {
 
 impl Method {
     /// The predicate that this method uses for a requested one. [`Method::FaceMask`] uses the requested one.
-    /// [`Method::PerEdge`] replaces [`Predicate::Exact`], the default of all options, by the published
+    /// [`Method::PerEdge`] replaces [`Predicate::Exact`], the default of extractors, by the published
     /// [`Predicate::Plane`].
     pub const fn predicate(self, requested: Predicate) -> Predicate {
         match (self, requested) {
@@ -24,7 +24,7 @@ impl Method {
 
     #[cfg(feature = "gpu")]
     pub(crate) const fn is_per_edge(self) -> bool {
-        !matches!(self, Self::FaceMask)
+        matches!(self, Self::PerEdge)
     }
 }
 
@@ -38,7 +38,9 @@ pub enum Predicate {
     #[default]
     Exact,
     /// The sign that `f32` arithmetic gives for `n · (l − w·a)`. It is wrong for some lights that lie nearly in a
-    /// face's plane, and devices may differ. Silhouettes still close, because each face is decided once.
+    /// face's plane, and devices may differ. It may be wrong for any light where products overflow or underflow: with
+    /// coordinates above 10¹², or with tiny faces, such as faces and lights within 10⁻¹² of the origin. Silhouettes
+    /// still close, because each face is decided once.
     Fast,
     /// The sign that `f32` arithmetic gives for the plane equation `n · l − w·(n · a)`, as published in 2003. It is
     /// less accurate than `Fast` far from the origin, because its terms cancel there. It is for comparison.

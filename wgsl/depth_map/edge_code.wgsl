@@ -1,8 +1,10 @@
-// Edge codes of cells: which of a cell's four edges are marked, because a border of shadow may cross them. The code
-// decides which triangles of the cell are drawn. Also an exact comparison of a depth difference with a threshold.
+// Edge codes of cells: which of a cell's four edges are marked, because a border of shadow may cross them. The code decides
+// which triangles of the cell are drawn; with `depth_map.spread` edges around the cell count, too. Also an exact comparison
+// of a depth difference with a threshold.
 // Imported by `depth_cells`; by `depth_edges`, which marks edges by other rules; by `contour_marks`, for objects; and by
-// surface.wgsl, for near caps, and for each cell if the list overflowed. Importers bind what samples.wgsl has, and
-// `object_texture`.
+// surface.wgsl, for entries, near caps, and each cell if the list overflowed. `depth_cells` without `spread`, and
+// `depth_edges`, have `entry_bits` and `edge_code` or a rule of their own for many cells at once: change them together.
+// Importers bind what samples.wgsl has, and `object_texture`.
 // A mark depends only on the two samples of the edge, so both cells at an edge agree. A triangle with a marked edge is
 // always drawn: one that is missing would leave a gap in the boundary. One too many changes nothing if what it lies on is in
 // the eye's depth buffer. Integers decide. docs/numerics/depth-maps.md, "Omitted triangles" and "Exact decisions".
@@ -59,15 +61,6 @@ fn is_marked(a: u32, b: u32) -> bool {
   return select(is_step | (depth_map.every_cell != 0u), a != b, max(a, b) == FAR_KEY);
 }
 
-// The bits of an edge code for the edges at the top, right and bottom. The keys are of the upper and lower sample on each
-// side.
-fn edge_code_without_left(left_keys: vec2<u32>, right_keys: vec2<u32>) -> u32 {
-  let marked = vec3<bool>(
-    is_marked(left_keys.x, right_keys.x), is_marked(right_keys.x, right_keys.y), is_marked(left_keys.y, right_keys.y));
-  let bits = select(vec3<u32>(0u), vec3<u32>(1u, 2u, 4u), marked);
-  return bits.x | bits.y | bits.z;
-}
-
 fn key_difference(a: u32, b: u32) -> u32 {
   return max(a, b) - min(a, b);
 }
@@ -101,7 +94,10 @@ fn object_edge_code_without_left(top_right: vec2<u32>, left_keys: vec2<u32>, rig
 // The edge code of a cell: bits 0 to 3 are set for marked edges at the top, right, bottom and left. `keys` are of samples
 // (0, 0), (1, 0), (0, 1) and (1, 1).
 fn edge_code(first_sample: vec2<u32>, keys: vec4<u32>) -> u32 {
-  let code = edge_code_without_left(keys.xz, keys.yw) | select(0u, 8u, is_marked(keys.x, keys.z));
+  let marked = vec4<bool>(
+    is_marked(keys.x, keys.y), is_marked(keys.y, keys.w), is_marked(keys.z, keys.w), is_marked(keys.x, keys.z));
+  let bits = select(vec4<u32>(0u), vec4<u32>(1u, 2u, 4u, 8u), marked);
+  let code = bits.x | bits.y | bits.z | bits.w;
   if (!OBJECTS) {
     return code;
   }
@@ -110,8 +106,8 @@ fn edge_code(first_sample: vec2<u32>, keys: vec4<u32>) -> u32 {
   return code | object_edge_code_without_left(first_sample + vec2<u32>(1u, 0u), keys.xz, keys.yw) | (left_object_edge << 2u);
 }
 
-// Whether a cell is split from sample (1, 0) to (0, 1), because the keys of the other diagonal differ more. It only shapes
-// the border of the shadow.
+// Whether a cell is split from sample (1, 0) to (0, 1), because the keys of the other diagonal differ more. The choice only
+// shapes the border of the shadow, but entries and near caps must take the same.
 fn is_split(keys: vec4<u32>) -> bool {
   return key_difference(keys.x, keys.w) > key_difference(keys.y, keys.z);
 }
