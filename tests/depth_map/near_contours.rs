@@ -17,11 +17,12 @@ use crate::contours::{Quad, UNIT, listed};
 use crate::maps::Map;
 use crate::near_rectangles::{both, eye_at, position};
 use crate::parity::{self, SIDE, clip, light, seen, seen_depths};
-use crate::picture::{Maps, REVERSED, STANDARD, Target, by, contours, look};
+use crate::picture::{Encoded, Maps, REVERSED, STANDARD, Target, by, contours, look, pipelines};
 
 pub(crate) const TESTS: &[Test] = &[
     ("near_rectangles_behind_a_rim_have_the_parity_of_walls_and_flaps", behind_a_rim),
     ("near_rectangles_behind_a_flap_alone_are_in_shadow", behind_a_flap),
+    ("near_caps_are_drawn_where_a_surface_may_rise_up_to_its_contour", beside_a_rising_rim),
 ];
 
 const TEXELS: u32 = 24;
@@ -259,15 +260,44 @@ fn behind_a_rim() -> Result<(), String> {
     if wrong == 0 && is_tried { Ok(()) } else { Err(format!("{tally:?}")) }
 }
 
+/// A camera of parallel rays, which all have one direction.
+fn parallel(at: DVec3, half_width: f64) -> ShadowCamera {
+    let eye = look(at, DVec3::new(0.3, -0.8, 0.2), 0.5);
+    Eye { is_relative: false, depth: STANDARD, far: Some(40.0), half_width: Some(half_width), ..eye }.camera()
+}
+
+/// A surface that comes nearer to the light up to its rim, in each of four directions, may come nearer by as much again. For
+/// a near rectangle behind that and before all samples the near cap is drawn, and not for one before both.
+fn beside_a_rising_rim() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let light = parallel(DVec3::new(1.0, 9.0, 2.0), 4.0);
+    let options = DepthMapOptions { slope_bias: 0.0, ..by(contours([0.05, 0.25, 0.02])) };
+    for (turn, at) in [[11.3, 12.0], [11.7, 12.0], [12.0, 11.3], [12.0, 11.7]].into_iter().enumerate() {
+        let map = Map::new([TEXELS; 2], false, |texel| {
+            let [x, y] = [texel % TEXELS, texel / TEXELS];
+            match [x, TEXELS - 1 - x, y, TEXELS - 1 - y][turn] {
+                // 0.39 at the rim.
+                along @ ..12 => 0.5 - 0.01 * along as f32,
+                _ => 1.0,
+            }
+        });
+        let maps = Maps::of(&gpu, &map, TextureFormat::R32Float, light)?;
+        for (distance, is_drawn) in [(0.375, false), (0.385, true), (0.395, true)] {
+            let near = position(&light, map.size, at, distance);
+            let forward = (near - position(&light, map.size, at, 0.0)).normalize();
+            let eye = parallel(near - 0.5 * forward, 0.02);
+            let encoded = Encoded::new(&gpu, &*pipelines(&gpu, STANDARD, 0..1)?, &maps, &eye, options)?;
+            same(&format!("turn {turn}, at {distance}"), &[encoded.has_cap()], &[is_drawn])?;
+        }
+    }
+    Ok(())
+}
+
 /// A surface that bends away from the light between the ends of a segment. The flap does not, so a near rectangle may
 /// be behind it and before all samples around.
 fn behind_a_flap() -> Result<(), String> {
     let gpu = Gpu::shared()?;
-    let camera = |at: DVec3, half_width| {
-        let eye = look(at, DVec3::new(0.3, -0.8, 0.2), 0.5);
-        Eye { is_relative: false, depth: STANDARD, far: Some(40.0), half_width: Some(half_width), ..eye }.camera()
-    };
-    let light = camera(DVec3::new(1.0, 9.0, 2.0), 4.0);
+    let light = parallel(DVec3::new(1.0, 9.0, 2.0), 4.0);
     let depth_of = |row: f64| 0.5 + 0.015 * (1.0 - ((row - 7.0) / 7.0).powi(2));
     let map = Map::new([TEXELS; 2], false, |texel| match texel % TEXELS {
         ..12 => depth_of(f64::from(texel / TEXELS)) as f32,
@@ -280,7 +310,7 @@ fn behind_a_flap() -> Result<(), String> {
         let near = position(&light, map.size, [10.8, 7.0], distance);
         let forward = (near - position(&light, map.size, [10.8, 7.0], 0.0)).normalize();
         let depths = [seen; (SIDE * SIDE) as usize];
-        let target = Target::new(camera(near - 0.5 * forward, 0.02), &depths);
+        let target = Target::new(parallel(near - 0.5 * forward, 0.02), &depths);
         let options = DepthMapOptions { slope_bias: 0.0, ..by(contours([0.01, 0.25, 0.02])) };
         let (stencil, encoded) = both(&gpu, &target, &maps, options)?;
         let (_, quads) = listed(&gpu, encoded.volumes.cells())?;
