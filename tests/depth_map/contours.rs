@@ -27,6 +27,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("steep_surfaces_end_before_those_behind", before_those_behind),
     ("walls_that_overflow_are_those_of_every_cell", overflow),
     ("walls_are_closed_and_cross_jumps_once", closed),
+    ("walls_are_closed_where_a_contour_ends_beside_a_tile", ends_beside_a_tile),
     ("contours_lie_on_rims", on_rims),
 ];
 
@@ -506,6 +507,30 @@ fn closed() -> Result<(), String> {
     }
     println!("{crossed} edges are crossed");
     if crossed > 20_000 { Ok(()) } else { Err("too few".to_owned()) }
+}
+
+/// A jump that fades along rows or columns, so that a contour ends in the last cell of a tile that no other crosses.
+fn ends_beside_a_tile() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let fit = Fit { threshold: 0.1, sideways: 0.25, depth: 0.01, slope_bias: 0.0 };
+    for is_column in [false, true] {
+        // The sample 0 of the lattice lies before texel 0. The jump is above the threshold from sample 32 on.
+        let map = Map::new([48; 2], false, |texel| {
+            let [x, y] = [texel % 48 + 1, texel / 48 + 1];
+            let [along, across] = if is_column { [y, x] } else { [x, y] };
+            0.3 + if across > 20 { 0.009 * along.saturating_sub(20) as f32 } else { 0.0 }
+        });
+        let quads = walls_of(&gpu, &map, None, fit.options())?;
+        let check = |quads: &[Quad]| check_closed(&map, None, (f64::from(fit.threshold) * UNIT).round() as i64, quads);
+        check(&quads).map_err(|error| format!("column {is_column}: {error}"))?;
+        // Negative control: the wall up to the middle of the last cell is missing.
+        let [across, along] = [20, 31].map(|at| 256 * at + 128);
+        let end: [i32; 2] = if is_column { [across, along] } else { [along, across] };
+        let others: Vec<Quad> =
+            quads.iter().filter(|quad| quad.iter().all(|vertex| vertex[..2] != end)).copied().collect();
+        must_fail("no wall at the end", &check(&others))?;
+    }
+    Ok(())
 }
 
 const SIDE: u32 = 96;

@@ -53,6 +53,18 @@ fn occluded_faces_are_occluded_in_scenes_of_many_cones() {
     assert!(occluded > 4000 && refuted > 2, "{occluded} {refuted}");
 }
 
+/// A wall in the plane that parts the cones, edge-on to the light, between faces of which none hides another.
+#[test]
+fn a_face_in_the_plane_between_cones_is_searched() {
+    let flat = |x: i32| [[x as f32, 0.0, 0.0], [x as f32 + 0.25, 0.0, 0.0], [x as f32, 0.25, 0.0]];
+    let wall = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let positions: Vec<[f32; 3]> = (-1050..=1050).flat_map(|x| if x == 0 { wall } else { flat(x) }).collect();
+    let faces: Vec<[u32; 3]> = (0..2101).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
+    let casters = vec![Caster::new(Shape { positions, faces })];
+    let found = find(&StaticScene { casters, light: Light::directional([0.0, 0.0, 1.0]) }, all_left_out()).statistics();
+    assert_eq!([found.tried, found.occluded, found.undecided], [2101, 0, 0]);
+}
+
 #[test]
 fn progress_never_goes_back_and_has_one_end() {
     let light = Light::point([0.0, 0.0, 9.5]);

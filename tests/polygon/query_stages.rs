@@ -69,14 +69,15 @@ fn no_faces(case: &DepthCase) -> Vec<u32> {
     vec![NO_FACE; case.points.len()]
 }
 
-/// Quadrilaterals of whole numbers beside each other, with points below their corners and edges. Many are folded as
-/// seen from the light, so that some of their triangles are crossed within and others on an edge.
+/// Quadrilaterals and pentagons of whole numbers beside each other, with points below their corners and edges. Many are
+/// folded as seen from the light, so that some of their triangles are crossed within and others on an edge.
 fn folded(random: &mut Random) -> DepthCase {
     let mut set = PolygonSet::default();
     let mut points = Vec::new();
-    for tile in 0..40 {
+    for tile in 0..240 {
         let x = 16.0 * tile as f32;
-        let corners = (0..4).map(|_| [x + random.below(5) as f32, random.below(5) as f32, random.below(5) as f32]);
+        let sides = if tile < 40 { 4 } else { 5 };
+        let corners = (0..sides).map(|_| [x + random.below(5) as f32, random.below(5) as f32, random.below(5) as f32]);
         set.push_points(&[corners.collect()]);
         points.extend((0..25).map(|at| [x + (at / 5) as f32, (at % 5) as f32, -3.0]));
     }

@@ -14,10 +14,13 @@ use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
 use rimline_testkit::shapes::{self, Shape};
-use rimline_testkit::{IDENTITY, is_long, must_fail};
+use rimline_testkit::{IDENTITY, is_long, must_fail, same};
 
-pub(super) const TESTS: &[Test] =
-    &[("bounds_hold_for_piles_of_casters", piles), ("opposite_piles_do_not_add_up", opposite_piles)];
+pub(super) const TESTS: &[Test] = &[
+    ("bounds_hold_for_piles_of_casters", piles),
+    ("opposite_piles_do_not_add_up", opposite_piles),
+    ("bounds_hold_where_lists_overflow", overflow),
+];
 
 /// A shape that is scaled and moved.
 fn placed(shape: Shape, middle: DVec3, scale: DVec3) -> Shape {
@@ -63,12 +66,12 @@ impl Case {
 }
 
 /// The bound for casters with one light, in a scene that skips nothing, seen from far away. Which faces cast is chosen
-/// there.
-fn bound(gpu: &Gpu, cases: &mut [Case], every_face: bool) -> Result<u32, String> {
+/// there. Lists have room for so many `sides`.
+fn bound(gpu: &Gpu, cases: &mut [Case], every_face: bool, sides: u32) -> Result<u32, String> {
     let mut measuring = Measuring::CULLED_BY_VIEW;
     measuring.set(Measuring::EVERY_FACE, every_face);
     let stencil = StencilCounts { bound_counts: true, ..StencilCounts::default() };
-    let capacities = Capacities { lists: Some(1 << 14), ..Capacities::default() };
+    let capacities = Capacities { lists: Some(sides), ..Capacities::default() };
     let options = SceneOptions { max_lights: 1, stencil, capacities, measuring, ..SceneOptions::default() };
     let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
     let insert = |case: &Case| {
@@ -143,7 +146,7 @@ fn piles() -> Result<(), String> {
             0 => cases.extend(blocks.into_iter().map(|block| Case::new(block, light))),
             _ => cases.push(Case::new(Shape::joined(&blocks), light)),
         }
-        let bound = bound(&gpu, &mut cases, random.below(2) == 0)?;
+        let bound = bound(&gpu, &mut cases, random.below(2) == 0, 1 << 14)?;
         back_facing += usize::from(cases.iter().all(|case| case.casting == CAST_BACK_FACING));
         let mut count = 0;
         for case in &cases {
@@ -185,7 +188,7 @@ fn opposite_piles() -> Result<(), String> {
         let others = || others.into_iter().map(|direction| cube(direction * 3.0));
         let bound = |ahead: u32, behind: u32| {
             let casters = pile(along, ahead).chain(pile(-along, behind)).chain(others());
-            bound(gpu, &mut casters.collect::<Vec<_>>(), true)
+            bound(gpu, &mut casters.collect::<Vec<_>>(), true, 1 << 14)
         };
         // The light is always between two casters, so that the half planes are the same.
         let (one, other, both) = (bound(40, 1)?, bound(1, 40)?, bound(40, 40)?);
@@ -195,6 +198,31 @@ fn opposite_piles() -> Result<(), String> {
         };
         sharp(both)?;
         must_fail("the sum", &sharp(one + other))?;
+    }
+    Ok(())
+}
+
+/// A strip of triangles that winds like a stair, all on one ray. Half of the edges that a half plane crosses are folds, where
+/// the count changes by 2, so a bound that counted each edge once would be too small.
+fn overflow() -> Result<(), String> {
+    const FACES: u32 = 60;
+    let corner = |at: u32| {
+        // Corners lie in different half planes.
+        let angle = f64::from(120 * at + 7 * at % 11 * 3 + 345).to_radians();
+        DVec3::new(angle.cos(), angle.sin(), 0.05 * f64::from(at)).as_vec3().to_array()
+    };
+    let shape = Shape {
+        positions: (0..FACES + 2).map(corner).collect(),
+        faces: (0..FACES).map(|face| [face, face + 1, face + 2]).collect(),
+    };
+    let mut cases = [Case::new(shape, Light::point([0.01, 0.02, 100.0]))];
+    let gpu = &*Gpu::shared()?;
+    for sides in [1 << 14, 1] {
+        let bound = bound(gpu, &mut cases, true, sides)?;
+        let count = cases[0].count(DVec3::new(0.05, 0.03, -1.0));
+        println!("{count} faces, bound {bound}, with room for {sides} sides");
+        same("faces between", &[count], &[FACES])?;
+        at_least(bound, count)?;
     }
     Ok(())
 }
