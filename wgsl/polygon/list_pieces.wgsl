@@ -3,9 +3,9 @@
 // part of a boundary edge, directed so that the shadow is on its left as seen from the light. All pieces of a polygon are
 // the border of its shadow. The counts are cleared for each batch of up to 32 lights before `cut_edges`. `piece_crossings`,
 // `piece_arguments` and the vertex shaders of shadow/piece_volumes.wgsl read the lists. A list has no particular order. The
-// count of a full list still grows, so that readers notice the overflow. Points are rounded, but all pieces at a crossing
-// must have the same bits: `crossing_point` does not depend on the order of its edges. Claims:
-// docs/numerics/twisted-polygons.md.
+// count of a full list still grows, so that readers notice the overflow, unless a light has 2^32 pieces or more. Points are
+// rounded, but all pieces at a crossing must have the same bits: `crossing_point` does not depend on the order of its edges.
+// Claims: docs/numerics/twisted-polygons.md.
 
 #import common/determinant
 #import extract/one_caster
@@ -23,10 +23,11 @@ struct Pieces {
 // Words of a piece: its begin, its end, and the middle of its polygon, three floats each.
 const PIECE_WORDS: u32 = 9u;
 
-// The least sine of the angle between an edge and the ray to the light. Below it, rounding decides the plane through both.
+// About the sine of the angle between an edge and the ray to the light, up to which rounding decides the plane through both.
 const LEAST_SINE: f32 = 0x1p-17;
 
-// A vector scaled so that its largest component is 1. Products then neither vanish nor overflow.
+// A finite vector scaled so that its largest absolute component is 1, or less if it is zero or subnormal. Products of such
+// vectors do not overflow, and underflow only where others are far larger.
 fn to_unit(v: vec3<f32>) -> vec3<f32> {
   return v / max(largest_of(v), 0x1p-126);
 }
@@ -58,8 +59,9 @@ fn crossing_point(boundary: PolygonBoundary, i: u32, j: u32, light_index: u32) -
   return bitcast<vec3<u32>>(a + cut_fraction(f, e, scaled_light(light_index)) * (bitcast<vec3<f32>>(e.b) - a));
 }
 
-// The mean of four corners of a polygon. It is hardly ever in the plane of a triangle of the polygon. Faces that pieces make
-// with it then do not lie on the surface. No operation can be fused, so it has the same bits for all pieces.
+// The mean of four corners of a polygon. It is in the plane of all triangles if the polygon is flat, and else hardly ever in
+// that of one. Faces that pieces make with it lie on the surface of a flat polygon, where rounding decides depth tests. No
+// operation can be fused, so it has the same bits for all pieces.
 fn middle_point(boundary: PolygonBoundary) -> vec3<u32> {
   var corners: array<vec3<f32>, 4>;
   for (var quarter = 0u; quarter < 4u; quarter++) {
@@ -96,9 +98,9 @@ fn write_piece(light: u32, index: u32, from_end: vec3<u32>, to_end: vec3<u32>, i
 
 // Stage `cut_quads`: lists the pieces of twisted quadrilaterals that `polygon_turns` decided. Two neighbouring corners
 // turn left and the others right, so the two edges between them cross. Each of the two lobes has the sense of its corners.
-// Dispatched after the passes of `cut_edges`, an invocation a record of `undecided`. It appends
-// six pieces for each light. It must come last, because the passes of `cut_edges` read all listed pieces as their cuts. Both
-// lobes share one crossing point, bit for bit.
+// Dispatched after the passes of `cut_edges`, an invocation a record of `undecided`. It appends six pieces for each light of
+// TWISTED_QUAD. It must come last, because the passes of `cut_edges` read all listed pieces as their cuts. Both lobes share
+// one crossing point, bit for bit.
 
 // Lists the pieces of a quadrilateral for a light: two lobes of three pieces. `first`, 0 or 3, is a corner with the turn of
 // the next corner. `is_positive`: corner 0, one of these two, turns left. Edges `first` + 1 and `first` + 3 cross.

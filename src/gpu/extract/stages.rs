@@ -83,7 +83,7 @@ pub(super) fn from_positions(
             (&CUT_EDGES, 1, Size::Written(CUT_GROUP_WORKGROUPS)),
             (&CUT_EDGES, 2, Size::Written(CUT_GROUP_WORKGROUPS)),
             (&CUT_EDGES, 3, Size::Written(CUT_GROUP_WORKGROUPS)),
-            // Quadrilaterals whose signs are all certain. Their pieces follow the others, where the list has no cuts.
+            // Last, because the passes of `CUT_EDGES` read all listed pieces as their cuts.
             (&CUT_QUADS, 0, Size::Written(RECORD_WORKGROUPS)),
         ];
         return stages.into_iter().chain(cut.into_iter().filter(|_| pieces)).map(stage).collect();
@@ -103,7 +103,7 @@ pub(super) fn from_positions(
     stages
 }
 
-/// The stages after facing, in their order. Masks are read in windows of `words` words.
+/// The stages after facing, in their order. Facing masks are read in windows of `words` words, or in one window if 0.
 pub(super) fn from_facing(options: &ExtractorOptions, words: u32) -> Vec<Planned> {
     let [masks, append] = emit_constants(options);
     let windows = ("FACING_WINDOW_WORDS", f64::from(words));
@@ -286,7 +286,7 @@ impl<'a> Binder<'a> {
         let bytes = 4 * self.shape.faces as u64;
         let mut steps: Vec<Step> = self.buffers.excluded.get(batch).map(Step::clear).into_iter().collect();
         if let Some(facing) = self.buffers.facing.get(batch) {
-            // Most polygons are not twisted.
+            // The twisted masks. `POLYGON_MASKS` writes only those of undecided polygons.
             steps.push(Step::Clear(facing.clone(), bytes..facing.size()));
         }
         steps.extend(pieces.get(batch).map(|pieces| Step::Clear(pieces.clone(), 0..4 * PIECE_COUNTS)));
