@@ -1,8 +1,11 @@
-//! Example `scene`: its figures and boxes stand where they should and throw the right shadows, by rays in `f64`.
+//! Example `scene`: its figures and boxes stand where `contents` and `cpu::deform` say and throw the right shadows, by rays
+//! in `f64`.
 
 #[path = "../../examples/scene/main.rs"]
 #[allow(dead_code, reason = "the example's own main is not run here")]
 mod scene;
+
+use std::array::from_fn;
 
 use glam::{DMat4, DVec3, Mat4, Vec3};
 use rimline::cpu::{self, Threads};
@@ -31,11 +34,12 @@ struct Truth {
     tracer: Tracer<(Kind, Vec3)>,
 }
 
-/// A pixel far enough from every border, and what should be there.
+/// What should be seen at a position in the picture, or, by [`Truth::samples`], in a whole pixel.
 struct Sample {
     pixel: [u32; 2],
     kind: Kind,
-    /// For each lamp: whether it could light the point, and whether something is in between.
+    /// For each lamp: whether it could light the point, and whether something is in between. The second is false, and the
+    /// light counts, where the lamp gives no more than a hundredth of its colour.
     lamps: [[bool; 2]; LAMPS.len()],
     /// 0 to 255.
     color: DVec3,
@@ -89,7 +93,7 @@ impl Truth {
             let towards = xyz - w * point;
             let falloff = (1.0 - w * towards.length_squared() / (range * range)).max(0.0).powi(2);
             let strength = falloff * normal.dot(towards.normalize()).max(0.0);
-            // A point light is at 1 on this ray.
+            // The surface itself is at 0 on this ray, but for rounding, and a point light at 1.
             let is_between = |t: f64| t > 1e-5 && (w == 0.0 || t < 1.0);
             let is_dark = strength > 0.01 && self.tracer.meetings((point, towards)).any(|(t, _)| is_between(t));
             if !is_dark {
@@ -101,7 +105,8 @@ impl Truth {
         Some(Sample { pixel: [x as u32, y as u32], kind, lamps, color })
     }
 
-    /// Pixels at random, without those near a border between surfaces or of a shadow.
+    /// Pixels at random, without those with a corner near another kind of surface or near the border of a shadow. Borders
+    /// between two figures, boxes or faces of one are in: the mean of four positions is right there, too.
     fn samples(&self, seed: u64) -> Vec<Sample> {
         let mut random = Random::new(seed);
         let sample = |_| {
@@ -150,8 +155,8 @@ fn surfaces_have_the_light_that_reaches_them() {
         let mut samples = Truth::new(seconds).samples(seed);
         let count = |is: &dyn Fn(&Sample) -> bool| samples.iter().filter(|sample| is(sample)).count();
         let kinds = [Kind::Ground, Kind::Walker, Kind::Box].map(|kind| count(&|sample| sample.kind == kind));
-        let lit = [0, 1, 2, 3].map(|lamp| count(&|sample| sample.lamps[lamp] == [true, false]));
-        let dark = [0, 1, 2, 3].map(|lamp| count(&|sample| sample.lamps[lamp] == [true, true]));
+        let lit: [_; LAMPS.len()] = from_fn(|lamp| count(&|sample| sample.lamps[lamp] == [true, false]));
+        let dark: [_; LAMPS.len()] = from_fn(|lamp| count(&|sample| sample.lamps[lamp] == [true, true]));
         println!("seed {seed}: {kinds:?} on ground, figures and boxes; by lamp {lit:?} lit and {dark:?} in shadow");
         assert!(kinds.iter().chain(&lit).chain(&dark).all(|&count| count >= 15), "too few of a kind");
         compare(&picture, &samples).unwrap_or_else(|error| panic!("seed {seed}, {seconds} s: {error}"));

@@ -1,12 +1,16 @@
-// Lists of what is drawn for each light of a batch (up to 32 lights) in a view: faces with caps, edges with sides, pieces.
-// Pieces are parts of the boundaries of twisted polygons. As seen from light L, the boundary of a twisted polygon crosses
-// itself or goes around the light, or a hole is outside.
+// Lists of what is drawn for each light of a batch (up to 32 lights): faces with caps and edges with sides for a view,
+// pieces for all views. Pieces are parts of the boundaries of twisted polygons. As seen from light L, the boundary of a
+// twisted polygon crosses itself or goes around the light, or a hole is outside.
 // `caps` and `list_sides` write the lists of faces and edges, `cut_edges` and `cut_quads` those of pieces. Stages that
 // make draw arguments or bound counts read them, and so do vertex shaders. The order in a list is arbitrary. Two lists of
 // a light may share a range: one grows from its front, one from its back. If they overflow, the sum of their counts
-// exceeds the capacity. Readers then go over all edges or faces, and decide by the functions of this file. But pieces without
-// room are lost: draws have the listed ones, and `lost_pieces` counts the others.
-// `is_casting_face` and `side_of_edge` must agree, or volumes are not closed. docs/numerics/watertight.md.
+// exceeds the capacity. Vertex shaders then go over all edges or faces, and decide by the functions of this file;
+// `stencil_crossings` takes every edge at its largest weight. But pieces without room are lost: draws have the listed ones,
+// and `lost_pieces` counts the others.
+// These stages, `relist`, and sizes.rs and pipelines.rs in src/gpu/shadow have the layout of counts and the kinds as numbers,
+// polygon/list_pieces.wgsl and src/gpu/extract/polygon_buffers.rs the layout of pieces. No test compares them: change all.
+// `is_casting_face` and `side_of_edge` must agree, or volumes are not closed. While no face is excluded, only silhouettes of
+// `edges` may have sides, since `list_sides` then reads no other edges. docs/numerics/watertight.md.
 //
 // Expects: `shape`, and, as far as functions are used, `edge_faces`, and by slots `facing_masks` and `excluded_masks`.
 
@@ -20,7 +24,7 @@ fn is_casting_face(light: ShadowLight, is_front_facing: bool) -> bool {
   return light.casting == CAST_EVERY || (light.casting == CAST_BACK_FACING && !is_front_facing);
 }
 
-// Whether the volume may have near caps, so that sides are clipped at the near plane.
+// Whether the volume may have near caps. If so, sides are clipped at the near plane, or are those of ZP+ as published.
 fn has_near_cap(light: ShadowLight) -> bool {
   return light.counting == COUNT_ZP_PLUS || light.counting == COUNT_ZP_PLUS_2005;
 }
@@ -35,7 +39,7 @@ fn has_far_caps(light: ShadowLight, flags: u32) -> bool {
 // A light has four lists of cap faces, by their kind. Kinds 0 and 1 are near caps, kinds 2 and 3 are light and dark caps.
 // Near and light caps of kinds 0 and 2 are the front of the volume where the camera sees the face's front, those of kinds 1
 // and 3 where it sees its back. Dark caps are the other way round. z-fail counts fronts of volumes down, other methods up.
-const CAP_COUNTS: u32 = 128u; // Words before the lists: four counts for each of 32 lights.
+const CAP_COUNTS: u32 = 128u; // Words before the lists: 4 * bit + kind is the count of a list.
 const FAR_CAPS: u32 = 2u; // The first kind of light and dark caps.
 
 // The kind of the near cap of a face. On the near plane the camera sees the front of a front-facing face if the light is on
@@ -60,10 +64,10 @@ fn cap_entry_offset(bit: u32, kind: u32, entry: u32) -> u32 {
 }
 
 // A light has two lists of sides, by their kind: sides that the hardware clips, and sides that the vertex shader clips at
-// the near plane. A side of weight 2 has two entries.
+// the near plane, or those of ZP+ as published. A side of weight 2 has two entries.
 const PLAIN: u32 = 0u;
 const CLIPPED: u32 = 1u;
-const SIDE_COUNTS: u32 = 64u; // Words before the lists: two counts for each of 32 lights.
+const SIDE_COUNTS: u32 = 64u; // Words before the lists: 2 * bit + kind is the count of a list.
 
 // The offset in `sides` of an entry of a light's list of a kind. The list of clipped sides grows down from the end of the
 // range.
@@ -82,14 +86,16 @@ struct EdgeSide {
   winding: bool,
 }
 
-// The summand of a face in the multiplicities of its edges, where every face casts. It is 0 for an excluded face.
+// The summand of a face in the multiplicities of its edges, in the direction in which it traverses them, where every face
+// casts. It is 0 for an excluded face.
 fn face_sign(is_front_facing: bool, is_excluded: bool) -> i32 {
   return select(select(-1, 1, is_front_facing), 0, is_excluded);
 }
 
 // The side of an edge record. `faces` is the packed record: x is face 0, with INCONSISTENT if both faces traverse the edge
 // in the same direction, and y is face 1, or NO_FACE. `facing` and `excluded` have a component for each of the two faces:
-// whether it is front-facing, and whether it is excluded. For NO_FACE they have no meaning.
+// whether it is front-facing, and whether it is excluded. For NO_FACE they have no meaning. Outlines of scenes call this,
+// too, for CAST_EVERY: a weight above 0 is a silhouette.
 fn side_of_edge(casting: u32, faces: vec2<u32>, facing: vec2<bool>, excluded: vec2<bool>) -> EdgeSide {
   if (casting == CAST_NOTHING) {
     return EdgeSide(0u, false);
@@ -108,8 +114,8 @@ fn side_of_edge(casting: u32, faces: vec2<u32>, facing: vec2<bool>, excluded: ve
   return EdgeSide(u32(abs(multiplicity)), multiplicity > 0);
 }
 
-// The side of a caster's edge record for the light of a bit, by the bound masks. `record` is its index in the page, and
-// `light` has the choices for the caster.
+// The side of a caster's edge record for the light of a bit, by the bound masks. `record` is its index in the page. Its
+// faces are counted from the caster's first. `light` has the choices for the caster.
 fn edge_side(caster: u32, record: u32, light: ShadowLight, bit: u32) -> EdgeSide {
   let faces = edge_faces[record];
   let slots = vec2<u32>(face_range(caster).x) +
