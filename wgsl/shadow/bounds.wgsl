@@ -1,11 +1,11 @@
-// Stage `bounds`: computes the box around the finite faces of each caster, and whether it has faces that are not finite.
-// The scene table already has the boxes of rigid casters.
-// Dispatched between `relist` and `counting_methods` for each group of casters in world space; an invocation has chunks
-// of 64 face slots. Reads: positions, faces, the lights that affect a caster, CHOICE_DIRTY. Groups and casters whose
-// boxes no stage reads are skipped. Writes: `boxes`, which must be zeros before, for `counting_methods`,
-// `stencil_pencil`, `stencil_crossings` and `piece_crossings`. Boxes are exact and have the same bits in any order.
-// Floats are compared as keys, integers of the same order. So atomics can join them, and no device flushes them to
-// zero.
+// Stage `bounds`: computes the box around the finite faces of each caster, and whether a face with three different
+// vertices is not finite. The scene table already has both for rigid casters.
+// Dispatched between `relist` and `counting_methods`, once for all light batches, for each group of casters in world
+// space; an invocation has chunks of 64 face slots. Reads: positions, faces, the scene table, the relevant lights of
+// casters, CHOICE_DIRTY. Writes: `boxes`, which must be zeros before, for `counting_methods`, `stencil_pencil`,
+// `stencil_crossings` and `piece_crossings`. Groups and casters whose boxes no stage reads are skipped: theirs stay empty.
+// Boxes are exact and have the same bits in any order. Floats are compared as keys, integers of the same order. So atomics
+// can join them, and no device flushes them to zero.
 
 #import common/casters
 #import common/order_keys
@@ -23,7 +23,7 @@
 @group(0) @binding(5) var<storage, read> choices: array<u32>;
 @group(0) @binding(6) var<storage, read> relevant_lights: array<u32>; // By batch and caster.
 
-// Whether a stage reads any box of the group.
+// Whether a stage may read a box of the group: some list is dirty, or counts are bounded.
 fn is_any_box_read() -> bool {
   var is_read = shape.needs_boxes;
   // Turns: BOUND_CHOICES.
@@ -33,8 +33,8 @@ fn is_any_box_read() -> bool {
   return is_read != 0u;
 }
 
-// Whether any light affects the caster. If not, no stage reads its box.
-fn has_affecting_light(caster: u32) -> bool {
+// Whether any light is relevant to the caster. If none is, no stage reads its box.
+fn has_relevant_light(caster: u32) -> bool {
   var lights = 0u;
   // Turns: 32.
   for (var batch = 0u; batch < shape.batches; batch++) {
@@ -43,7 +43,7 @@ fn has_affecting_light(caster: u32) -> bool {
   return lights != 0u;
 }
 
-// Extends the box of a caster by the faces from `first` to before `end`, indices in the page.
+// Adds the faces from `first` to before `end`, indices in the page, to the words of a caster in `boxes`.
 fn bound_faces(caster: u32, first: u32, end: u32) {
   var low = vec3<u32>(0xffffffffu);
   var high = vec3<u32>(0u);
@@ -82,7 +82,7 @@ fn bounds(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups)
     let caster = caster_of_slot(shape.face_chunks_offset, chunk * CHUNK);
     let range = face_range(caster);
     let first = chunk * CHUNK - range.x;
-    if ((caster_flags(caster) & RIGID) == 0u && first < range.y && has_affecting_light(caster)) {
+    if ((caster_flags(caster) & RIGID) == 0u && first < range.y && has_relevant_light(caster)) {
       bound_faces(caster, range.z + first, range.z + min(first + CHUNK, range.y));
     }
   }

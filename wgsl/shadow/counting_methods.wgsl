@@ -3,7 +3,7 @@
 // counts, but ZP+ if a face may lie between light and near rectangle (what the camera sees of the near plane). Else the
 // caller chose the method. Back-facing faces cast where they suffice, else every face. Dispatched after
 // `bounds`, once for all light batches: an invocation a caster and light, a row of workgroups a view. Reads: boxes and
-// flags of casters, receivers, the lights that affect a caster, CHOICE_DIRTY. Writes: choices (shadow/choices.wgsl), for
+// flags of casters, receivers, the relevant lights of casters, CHOICE_DIRTY. Writes: choices (shadow/choices.wgsl), for
 // `zp_plus_2005_cases`, `caps` and all later stages; statistics. All tests have slack above their rounding errors. If a
 // test is not certain, the volume is not culled, every face casts, and `caps` looks for near caps.
 // docs/numerics/casting-faces.md, "Which faces cast"; docs/numerics/shadow-volumes.md, "Volumes that end";

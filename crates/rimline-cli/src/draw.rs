@@ -3,7 +3,7 @@
 mod frame;
 mod outline_picture;
 
-use std::thread::{Scope, ScopedJoinHandle};
+use std::thread::{Builder, Scope, ScopedJoinHandle};
 
 use rimline::gpu::{Extractor, ExtractorOptions, ListOptions, Use};
 use rimline::{Mesh, MeshError, wgpu};
@@ -135,16 +135,18 @@ fn options() -> ExtractorOptions {
     }
 }
 
-/// A value that another thread makes. With OpenGL this one has made it: a thread that waits long for the context panics in
-/// wgpu.
+/// A value that another thread makes. Where none starts, this one has made it. With OpenGL, too: a thread that waits long for the
+/// context panics in wgpu.
 enum Made<'scope, T> {
     Here(T),
     There(ScopedJoinHandle<'scope, T>),
 }
 
 impl<'scope, T: Send + 'scope> Made<'scope, T> {
-    fn by(scope: &'scope Scope<'scope, '_>, gpu: &Gpu, make: impl FnOnce() -> T + Send + 'scope) -> Self {
-        if gpu.info.backend == wgpu::Backend::Gl { Self::Here(make()) } else { Self::There(scope.spawn(make)) }
+    fn by(scope: &'scope Scope<'scope, '_>, gpu: &Gpu, make: impl Fn() -> T + Copy + Send + 'scope) -> Self {
+        let is_shared = gpu.info.backend != wgpu::Backend::Gl;
+        let thread = is_shared.then(|| Builder::new().spawn_scoped(scope, make).ok()).flatten();
+        thread.map_or_else(|| Self::Here(make()), Self::There)
     }
 
     fn get(self) -> T {

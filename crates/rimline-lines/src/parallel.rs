@@ -32,8 +32,10 @@ pub(crate) fn blocks<R: Send>(
     let mut results = std::thread::scope(|scope| {
         let others = threads.count().min(count).saturating_sub(1);
         let run_blocks = &run_blocks;
+        let run = move || run_blocks(&mut |_| ControlFlow::Continue(()));
+        // Threads that the system does not start leave their blocks to the others.
         let workers: Vec<_> =
-            (0..others).map(|_| scope.spawn(move || run_blocks(&mut |_| ControlFlow::Continue(())))).collect();
+            (0..others).map_while(|_| std::thread::Builder::new().spawn_scoped(scope, run).ok()).collect();
         let mut results = run_blocks(tick);
         for worker in workers {
             results.extend(worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));

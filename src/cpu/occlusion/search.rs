@@ -66,8 +66,10 @@ pub(crate) fn search(
     };
     let threads = options.threads.count().min(cones.len());
     let mut searched = std::thread::scope(|scope| {
+        // Threads that the system does not start leave their cones to the others.
+        let run = || work.run(|_, _| ControlFlow::Continue(()));
         let workers: Vec<_> =
-            (1..threads).map(|_| scope.spawn(|| work.run(|_, _| ControlFlow::Continue(())))).collect();
+            (1..threads).map_while(|_| std::thread::Builder::new().spawn_scoped(scope, run).ok()).collect();
         let mut searched = work.run(&mut progress);
         for worker in workers {
             searched.add(worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));

@@ -1,12 +1,14 @@
-//! Cases with a wrong expectation fail.
+//! Cases with a wrong expectation fail, and facts of pictures that would be misread.
 
 use super::data::{check, differences};
-use super::{Outcome, Test, ensure};
+use super::run::folder;
+use super::{Outcome, Test, ensure, facts};
 
 pub(crate) const TESTS: &[Test] = &[
     ("data::a_wrong_expectation_fails::archives", archives),
     ("data::a_wrong_expectation_fails::pictures", pictures),
     ("data::a_wrong_expectation_fails::masks", masks),
+    ("data::a_wrong_expectation_fails::misread", misread),
 ];
 
 /// A part of a case, and the wrong text that replaces it.
@@ -120,4 +122,30 @@ fn pictures() -> Outcome {
 
 fn masks() -> Outcome {
     negative(MASKS, WRONG_MASKS).map(drop)
+}
+
+/// Pictures of other kinds, and comparisons of other shapes.
+fn misread() -> Outcome {
+    use png::{BitDepth, ColorType, Encoder, EncodingError};
+    let folder = folder();
+    let write = |name: &str, [width, height]: [u32; 2], color: ColorType, depth: BitDepth, values: &[u8]| -> Outcome {
+        let text = |error: EncodingError| error.to_string();
+        let mut bytes = Vec::new();
+        let mut encoder = Encoder::new(&mut bytes, width, height);
+        encoder.set_color(color);
+        encoder.set_depth(depth);
+        let mut writer = encoder.write_header().map_err(text)?;
+        writer.write_image_data(values).map_err(text)?;
+        writer.finish().map_err(text)?;
+        folder.write(name, bytes)
+    };
+    write("rgba.png", [1, 1], ColorType::Rgba, BitDepth::Eight, &[0; 4])?;
+    write("deep.png", [1, 1], ColorType::Grayscale, BitDepth::Sixteen, &[0; 2])?;
+    write("wide.png", [2, 1], ColorType::Grayscale, BitDepth::Eight, &[0; 2])?;
+    write("tall.png", [1, 2], ColorType::Grayscale, BitDepth::Eight, &[0; 2])?;
+    facts::check(&folder, "", &[], "apart wide.png wide.png = 0")?;
+    for fact in ["values rgba.png 0", "values deep.png 0", "apart wide.png tall.png = 0"] {
+        ensure!(facts::check(&folder, "", &[], fact).is_err(), "`{fact}` holds");
+    }
+    Ok(())
 }

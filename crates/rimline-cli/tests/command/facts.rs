@@ -76,6 +76,7 @@ pub(crate) fn check(folder: &Folder, stdout: &str, new: &[&str], fact: &str) -> 
             let channels = if words.contains(&"pixels") { 3 } else { 1 };
             let read = |name: &str| if by.is_some() { folder.image(name) } else { folder.mask(name) };
             let [one, other] = [read(word(0)?)?, read(word(1)?)?];
+            ensure!(one.size == other.size, "pictures of {:?} and {:?} pixels", one.size, other.size);
             let count = apart([&one.bytes, &other.bytes], channels, by.unwrap_or(0))?;
             ensure!(is_number(count as f64, [word(2)?, word(3)?])?, "{count}");
         }

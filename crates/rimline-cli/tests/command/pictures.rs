@@ -5,10 +5,11 @@ use std::path::Path;
 use super::ensure;
 use super::run::read_file;
 
-/// A grey or colour PNG.
+/// A grey or colour PNG of 8 bits a channel, without alpha: all that the command writes.
 pub(crate) struct Image {
     pub(crate) size: [usize; 2],
     color: png::ColorType,
+    /// One value a pixel of a grey one, three of one in colour, top row first.
     pub(crate) bytes: Vec<u8>,
 }
 
@@ -19,10 +20,18 @@ impl Image {
         let mut reader = png::Decoder::new(file).read_info().map_err(|error| failed(&error))?;
         let mut bytes = vec![0; reader.output_buffer_size().ok_or("the picture is too large")?];
         let info = reader.next_frame(&mut bytes).map_err(|error| failed(&error))?;
+        let is_known = [png::ColorType::Grayscale, png::ColorType::Rgb].contains(&info.color_type);
+        ensure!(
+            is_known && info.bit_depth == png::BitDepth::Eight,
+            "{}: {:?}, {:?} bits",
+            path.display(),
+            info.color_type,
+            info.bit_depth
+        );
         Ok(Self { size: [info.width, info.height].map(|side| side as usize), color: info.color_type, bytes })
     }
 
-    /// A grey one that holds nothing but 0, 128 and 255.
+    /// A shadow mask of a light without an area: 0 is in shadow, 128 background, 255 lit; no other value stands there.
     pub(crate) fn mask(path: &Path) -> Result<Self, String> {
         let image = Self::read(path)?;
         ensure!(image.color == png::ColorType::Grayscale, "{:?}", image.color);
@@ -31,8 +40,9 @@ impl Image {
         Ok(image)
     }
 
+    /// The value of a pixel of a grey one. It panics outside the picture.
     pub(crate) fn at(&self, x: usize, y: usize) -> u8 {
-        self.bytes[y * self.size[0] + x]
+        self.bytes[y * self.size[0]..][..self.size[0]][x]
     }
 
     /// How many values of a grey one are this.
@@ -56,15 +66,17 @@ impl Image {
     }
 }
 
+/// Near black, which lines and letters are.
 pub(crate) fn is_ink(pixel: [u8; 3]) -> bool {
     pixel.iter().all(|&c| c < 60)
 }
 
+/// Much more red than blue, which boundaries in orange are; red and yellow are so, too.
 pub(crate) fn is_orange([red, _, blue]: [u8; 3]) -> bool {
     red > 120 && red > blue.saturating_add(80)
 }
 
-/// How many pixels of `channels` values differ in two pictures: any of their values by more than `by`. With one
+/// How many pixels of `channels` values differ in two pictures of one size: any of their values by more than `by`. With one
 /// channel, how many values do.
 pub(crate) fn apart([one, other]: [&[u8]; 2], channels: usize, by: u8) -> Result<usize, String> {
     ensure!(one.len() == other.len(), "pictures of {} and {} values", one.len(), other.len());
