@@ -429,10 +429,11 @@ shared_structs! {
         /// Skipped pairs whose box the light does not reach, likewise. Scenes cull most of these pairs earlier:
         /// [`SceneStatistics::pairs_culled_by_range`].
         culled_by_range: u32;
-        /// Pieces of twisted polygons that there was no room for. If there are any, shadows are wrong where they would be, and
-        /// [`Capacities::pieces`](crate::gpu::Capacities::pieces) must be larger.
+        /// Pieces of twisted polygons that there was no room for, once for each view. If there are any, shadows are wrong
+        /// where they would be, and [`Capacities::pieces`](crate::gpu::Capacities::pieces) must be larger.
         lost_pieces: u32;
-        /// The most pieces that a caster has for a light: room for so many loses none.
+        /// The most pieces that a caster has for a light, pairs of which nothing is drawn left out: room for so many loses
+        /// none of what is drawn.
         most_pieces: u32;
     }
 }

@@ -1,18 +1,25 @@
-//! Encoders that hold two frames, and meshes that are removed before a frame with them is submitted.
+//! Encoders that hold two frames, meshes that are removed before a frame with them is submitted, and the frames of benches.
 
-use rimline::gpu::SceneFrame;
+use glam::Vec3;
+use rimline::Light;
+use rimline::gpu::{ExtractorOptions, SceneFrame, SceneOptions};
 use rimline::internals::scene::SceneTable;
+use rimline_bench::gpu::Gpu as BenchGpu;
+use rimline_bench::record::{Camera, ExtractorRecorder, SceneRecorder, Setting, Until};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::text;
-use rimline_testkit::{same, shapes};
+use rimline_testkit::{IDENTITY, same, shapes};
 
 use crate::found::{Checked, Found, check_frame, checked, sorted_lists};
 use crate::random_scene::{RandomScene, TestCaster, encoder};
 use crate::scenes::roomy;
 
-pub(crate) const TESTS: &[Test] =
-    &[("two_frames_in_one_encoder", two_frames), ("regions_of_removed_meshes_wait_for_late_frames", removed_mesh)];
+pub(crate) const TESTS: &[Test] = &[
+    ("two_frames_in_one_encoder", two_frames),
+    ("regions_of_removed_meshes_wait_for_late_frames", removed_mesh),
+    ("benches_count_silhouettes_of_all_batches", benches),
+];
 
 /// Each frame of an encoder sees its own scene: the lists of the first are copied before the second overwrites them.
 fn two_frames() -> Result<(), String> {
@@ -75,4 +82,31 @@ fn removed_mesh() -> Result<(), String> {
     let Checked { frame, found } = checked(gpu, &mut scene)?;
     let last = scene.content.casters.last().ok_or("no caster")?;
     same("the region of the removed mesh", &[first_face(&found.table, last, &frame)?], &[expected])
+}
+
+/// The recorders of benches count as many silhouette edges for each light in a scene as for a mesh alone, also past the first
+/// batch of lights.
+fn benches() -> Result<(), String> {
+    let (shared, mut random) = Gpu::seeded(2501)?;
+    let gpu = &BenchGpu {
+        device: shared.device.clone(),
+        queue: shared.queue.clone(),
+        pipelines: shared.pipelines.clone(),
+        reported: Box::new(|| None),
+    };
+    let shape = shapes::torus(12, 9, 1.0, 0.4);
+    let lights: Vec<_> = (0..40).map(|_| Light::point(random.direction().map(|c| 5.0 * c))).collect();
+    let options = ExtractorOptions { max_lights: lights.len(), ..ExtractorOptions::default() };
+    let mesh = shape.mesh().map_err(text)?;
+    let mut alone = ExtractorRecorder::new(gpu, options, &mesh, &shape.positions, &lights).map_err(text)?;
+    let options = SceneOptions { max_lights: lights.len(), ..SceneOptions::default() };
+    let camera = Camera::level(Vec3::new(0.0, 0.0, 4.0), Vec3::NEG_Z, 1.0, 0.1);
+    let setting = Setting::rigid(vec![shape], vec![(0, IDENTITY)], lights, &camera);
+    let mut scene = SceneRecorder::new(gpu, &setting, None, options).map_err(text)?;
+    shared.submit(|encoder| {
+        alone.encode(encoder, None).map_err(text)?;
+        scene.encode(encoder, Until::Extraction, None).map_err(text)
+    })?;
+    let [found, expected] = [scene.silhouette_edges(gpu), alone.silhouette_edges(gpu)];
+    same("silhouette edges", &found.map_err(text)?, &expected.map_err(text)?)
 }

@@ -25,8 +25,9 @@ struct ShadowStatistics {
   // Skipped pairs culled by receivers: no receiver can lie in the volume. Cached pairs are not counted.
   culled_by_receivers: atomic<u32>,
   culled_by_range: atomic<u32>, // Skipped pairs culled by light range. Cached pairs are not counted.
-  lost_pieces: atomic<u32>, // Pieces of twisted polygons that the list has no room for. Shadows are wrong there.
-  most_pieces: atomic<u32>, // The most pieces of a caster for a light, including those without room.
+  // Pieces of twisted polygons that the list has no room for, in each view in which the caster casts. Shadows are wrong there.
+  lost_pieces: atomic<u32>,
+  most_pieces: atomic<u32>, // The most pieces of such a caster for a light, including those without room.
 }
 
 // The caller's camera, as a caster sees it. The camera frame has the axes of the world and the camera's origin at 0.

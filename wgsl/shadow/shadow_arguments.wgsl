@@ -1,10 +1,9 @@
 // Stages `shadow_arguments` and `piece_arguments`: write the arguments of the indirect draws of the caller's render pass,
-// and count in the statistics what overflowed.
-// Dispatched for each group of casters, light batch (up to 32 lights) and view, one workgroup; an invocation is a light.
-// `shadow_arguments` follows `list_sides`. `piece_arguments` follows it for groups whose only caster is a mesh of
-// polygons.
+// and count in the statistics lists that overflowed, lists with near caps, and pieces.
+// Dispatched after `list_sides` for each group of casters, light batch and view, one workgroup; an invocation is one of the
+// batch's 32 lights, used or not. `piece_arguments` is only for groups whose caster is a mesh of polygons.
 // Reads: the counts of lists (shadow/draw_lists.wgsl), and for pieces choices. Writes: `shadow_draws` for sides and caps,
-// `piece_draws` for pieces.
+// `piece_draws` for pieces, which a group has for all views and lights.
 // The vertex shaders of sides.wgsl, cap_faces.wgsl and piece_volumes.wgsl derive list entries from instance indices as
 // they are counted here: change both together.
 
@@ -13,9 +12,9 @@
 #import shadow/draw_lists
 #import shadow/shadow
 
-// Stage `shadow_arguments`: from the counts of `list_sides` and `caps`. If the two lists of a range overflowed, their draws
-// have two instances for each edge, or one for each face. The vertex shader rejects those that would not be in its list, but
-// for near caps that cover nothing. This is slower, but shadows stay right.
+// Stage `shadow_arguments`: from the counts of `list_sides` and `caps`. If the two lists of a range overflowed, the draws
+// of those that are not empty have two instances for each edge slot of the group, or one for each face slot. The vertex
+// shader rejects those that would not be in its list, but for near caps that cover nothing. So shadows stay right.
 
 // The draws of the shadow volumes of one light, view and group. Fronts and backs of caps: their kinds, 0 or 2 and 1 or 3
 // (shadow/draw_lists.wgsl).
@@ -24,10 +23,11 @@ struct ShadowDraws {
   clipped: DrawArguments, // Sides clipped at the near plane, or sides of ZP+ as published.
   near_front: DrawArguments,
   near_back: DrawArguments,
-  // Light and dark caps with z-fail, and dark caps of volumes that end with z-pass.
+  // With z-fail light caps and dark caps, in a draw each. With z-pass dark caps, of volumes that end.
   far_front: DrawArguments,
   far_back: DrawArguments,
-  // Light caps of casters that are not in the depth buffer, with z-pass and ZP+.
+  // With z-pass and ZP+ light caps of casters that are not in the depth buffer. They share lists with dark caps, and the
+  // vertex shader of each rejects faces that have no such cap.
   light_front: DrawArguments,
   light_back: DrawArguments,
 }
@@ -43,8 +43,8 @@ fn draw_arguments(vertices: u32, instances: u32) -> DrawArguments {
   return DrawArguments(select(vertices, 0u, instances == 0u), instances, 0u, 0u);
 }
 
-// The instances of two lists that share a range, from their counts. `all` is the count of edges or faces that each draw goes
-// over if the range overflowed. An empty list has no instances.
+// The instances of two lists that share a range, from their counts. `all`: the instances of a list if the range
+// overflowed. An empty list has none even then.
 fn instances_of_lists(counts: vec2<u32>, capacity: u32, all: u32) -> vec2<u32> {
   if (counts.x + counts.y > capacity) {
     return select(counts, vec2<u32>(all), counts != vec2<u32>(0u));
@@ -52,7 +52,8 @@ fn instances_of_lists(counts: vec2<u32>, capacity: u32, all: u32) -> vec2<u32> {
   return counts;
 }
 
-fn write_arguments(bit: u32) {
+@compute @workgroup_size(32)
+fn shadow_arguments(@builtin(local_invocation_index) bit: u32) {
   let plain = sides[2u * bit];
   let clipped = sides[2u * bit + 1u];
   // The counts of cap faces by kind (shadow/draw_lists.wgsl).
@@ -67,7 +68,7 @@ fn write_arguments(bit: u32) {
   if (cap_counts.x + cap_counts.y > 0u) {
     atomicAdd(&shadow_statistics.near_capped, 1u);
   }
-  // Two instances an edge, since a side may have the weight 2.
+  // Two instances an edge slot, since a side may have the weight 2.
   let side_instances = instances_of_lists(vec2<u32>(plain, clipped), shape.side_capacity, 2u * shape.edges);
   let near = instances_of_lists(cap_counts.xy, shape.near_capacity, shape.faces);
   let far = instances_of_lists(cap_counts.zw, shape.far_capacity, shape.faces);
@@ -85,13 +86,6 @@ fn write_arguments(bit: u32) {
     draws.light_back = draw_arguments(4u, far.y);
   }
   shadow_draws[draw.view * shape.lights + draw.first_light + bit] = draws;
-}
-
-@compute @workgroup_size(32)
-fn shadow_arguments(@builtin(local_invocation_index) bit: u32) {
-  if (draw.first_light + bit < shape.lights) {
-    write_arguments(bit);
-  }
 }
 
 // Stage `piece_arguments`: from the counts of `cut_edges` and `cut_quads`, which list pieces of twisted polygons
@@ -116,12 +110,13 @@ fn draw_arguments_if(is_drawn: bool, vertices: u32, instances: u32) -> DrawArgum
   return draw_arguments(vertices, select(0u, instances, is_drawn));
 }
 
-fn write_piece_arguments(bit: u32) {
+@compute @workgroup_size(32)
+fn piece_arguments(@builtin(local_invocation_index) bit: u32) {
   let light_index = draw.first_light + bit;
   let entry = draw.view * shape.lights + light_index;
   let light = with_stored_choices(shape.first_caster, view_lights[entry].light, light_index, draw.view);
   var draws = PieceDraws();
-  // Entries of unused views are zeros.
+  // Entries of unused views are zeros, and so are those of lights that the view leaves out.
   if (view_lights[entry].view.near_w != 0.0 && light.casting != CAST_NOTHING) {
     let count = min(pieces[bit], shape.piece_capacity);
     if (pieces[bit] > count) {
@@ -130,7 +125,8 @@ fn write_piece_arguments(bit: u32) {
     atomicMax(&shadow_statistics.most_pieces, pieces[bit]);
     let is_clipped = light.counting == COUNT_ZP_PLUS;
     let is_z_fail = light.counting == COUNT_Z_FAIL;
-    // A piece and the middle of its polygon make a front-facing triangle.
+    // A piece and the middle of its polygon make a front-facing triangle. If the caster's matrix mirrors, the vertex shader
+    // exchanges the ends of the piece.
     let kind = near_cap_kind(light, true, false);
     let ends_at_range = light.end > 0.0 && shape.end_at_range != 0u;
     draws.plain = draw_arguments_if(!is_clipped, 4u, count);
@@ -142,11 +138,4 @@ fn write_piece_arguments(bit: u32) {
     draws.dark_cap = draw_arguments_if(is_z_fail || ends_at_range, 3u, count);
   }
   piece_draws[entry] = draws;
-}
-
-@compute @workgroup_size(32)
-fn piece_arguments(@builtin(local_invocation_index) bit: u32) {
-  if (draw.first_light + bit < shape.lights) {
-    write_piece_arguments(bit);
-  }
 }

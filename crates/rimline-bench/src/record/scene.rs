@@ -18,12 +18,13 @@ use crate::gpu::{Gpu, beside_draws};
 #[derive(Clone, Copy, Debug)]
 pub enum Until<'a> {
     Extraction,
-    /// Volumes are prepared for a view, in which these depths are seen, if they are drawn.
+    /// Volumes are prepared for a view. With depths, those in which no surface is seen are culled. Then the depths must be
+    /// drawn before the commands run, by the setting's surfaces.
     Volumes(Option<&'a TextureView>),
 }
 
-/// Options of a scene without clusters that makes its lists anew in each frame. Any scene does so with the bits of casters in
-/// buffers; those of rigid casters stay cached.
+/// Options of a scene without clusters that makes its lists of sides and caps anew in each frame. Any scene does so with
+/// bits and silhouettes of casters in buffers; those of rigid casters stay cached.
 pub fn made_anew(max_lights: usize, counting: Counting) -> SceneOptions {
     let measuring = Measuring::CACHED_LISTS;
     SceneOptions { max_lights, counting, clusters_from: None, measuring, ..SceneOptions::default() }
@@ -37,15 +38,19 @@ pub struct Counted {
 
 pub struct SceneRecorder<'a> {
     pub setting: &'a Setting,
+    /// At first that of the setting.
     pub camera: ShadowCamera,
     /// `None`: nothing is drawn.
     pipelines: Option<&'a ShadowPipelines>,
     pub scene: Scene,
+    /// Of rigid casters, a mesh a shape.
     pub meshes: Vec<MeshHandle>,
     pub lights: Vec<LightHandle>,
+    /// In the order of the setting, but none that walk.
     pub casters: Vec<CasterHandle>,
     model: Option<ModelHandle>,
     frame: Option<SceneFrame>,
+    /// How many were begun.
     frames: usize,
 }
 
@@ -95,8 +100,8 @@ impl<'a> SceneRecorder<'a> {
         Ok(positions.map(|positions| positions.buffer))
     }
 
-    /// Begins a frame: [`Self::encode`] moves casters and lights by the number of frames begun. Returns whether casters walk,
-    /// so that they must be deformed.
+    /// Begins a frame: casters that walk get their next pose, in the first frame that of the start. [`Self::encode`] moves
+    /// rigid casters and lights. Returns whether casters walk: draw their depths only after [`Self::deform`].
     pub fn begin(&mut self) -> Result<bool, Error> {
         if let (Some(model), Casters::Walking { pose, .. }) = (self.model, &self.setting.casters) {
             self.scene.set_pose(model, &pose(self.frames)?)?;
@@ -105,12 +110,14 @@ impl<'a> SceneRecorder<'a> {
         Ok(self.model.is_some())
     }
 
+    /// Deforms casters that walk. An encode of volumes does not do so again, unless lights turn; other encodes do.
     pub fn deform(&mut self, encoder: &mut wgpu::CommandEncoder, timer: Option<&mut StageTimer>) -> Result<(), Error> {
         let views = [View::new(self.camera)];
         Ok(self.scene.deform(encoder, FrameInputs { views: &views, timer })?)
     }
 
-    /// Moves what the setting moves, nothing without [`Self::begin`], and records the compute stages of the frame.
+    /// Moves rigid casters and lights as the setting says for the number of frames begun, and records the compute stages of
+    /// the frame. Before the first [`Self::begin`] they are where they start.
     pub fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -133,7 +140,7 @@ impl<'a> SceneRecorder<'a> {
             }
         }
         let view = if let Until::Volumes(depth) = until {
-            // Casters that do not move look the same in each frame.
+            // Rigid casters that do not drift look the same in each frame. A caller that moves them gives no depths.
             let is_still = matches!(self.setting.casters, Casters::Rigid { .. }) && self.setting.drift == 0.0;
             let version = is_still.then_some(0);
             let depth = depth.map(|depth| Receivers { depth, sky_receives: false, version });
@@ -149,6 +156,7 @@ impl<'a> SceneRecorder<'a> {
         self.frame.as_ref().ok_or(Error::Shadow(ShadowError::NotEncoded))
     }
 
+    /// The statistics of the last encode. Without a view those of shadows are 0.
     pub fn counted(&self, gpu: &Gpu) -> Result<Counted, Error> {
         let frame = self.frame()?;
         let scene = gpu.read(frame.statistics())?.pop().unwrap_or_else(SceneStatistics::zeroed);
@@ -156,7 +164,7 @@ impl<'a> SceneRecorder<'a> {
         Ok(Counted { scene, shadows: shadows.unwrap_or_else(ShadowStatistics::zeroed) })
     }
 
-    /// Bytes of the last frame's buffers, topology not counted.
+    /// Bytes of the last frame's buffers, but for meshes and the positions of casters.
     pub fn bytes(&self) -> Result<u64, Error> {
         Ok(self.frame()?.results()?.bytes)
     }
@@ -166,12 +174,13 @@ impl<'a> SceneRecorder<'a> {
         let mut edges = vec![0; self.lights.len()];
         for group in &self.frame()?.results()?.groups {
             let counts: Vec<u32> = gpu.read(group.lists)?;
-            edges.iter_mut().zip(counts).for_each(|(sum, count)| *sum += u64::from(count));
+            let of_batch = edges.iter_mut().skip(32 * group.batch).take(32);
+            of_batch.zip(counts).for_each(|(sum, count)| *sum += u64::from(count));
         }
         Ok(edges)
     }
 
-    /// Draws the volumes of a light into a pass that counts.
+    /// Draws the volumes of a light, by its index in [`Self::lights`], into a pass that counts. Other indices draw nothing.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, light: usize) -> Result<(), Error> {
         if let (Some(pipelines), Some(&light)) = (self.pipelines, self.lights.get(light)) {
             self.frame()?.draw(pass, pipelines, 0, light)?;
@@ -186,12 +195,14 @@ pub struct Drawn<'a> {
     pub surfaces: Option<Surfaces>,
     /// Depths and stencil.
     pub depth: TextureView,
-    /// The same depths, for stages that skip what is not seen.
+    /// The same depths, for stages that cull volumes in which no surface is seen. The depth pass must come before them.
     pub receivers: Option<TextureView>,
 }
 
 impl Drawn<'_> {
-    /// Records a part of a frame: its stages, the depth pass, the stencil pass of each light, or the light pass.
+    /// Records a part of a frame: its `stages`, the `depth` pass, the [`STENCIL`] pass of each light, or the `light` pass.
+    /// Each stencil pass begins with a stencil of 0, so the light pass adds the last light. Without surfaces there are no
+    /// depth and light passes.
     pub fn record(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -203,7 +214,7 @@ impl Drawn<'_> {
             ("stages", _) => scene.encode(encoder, Until::Volumes(receivers.as_ref()), beside_draws(timer))?,
             ("depth", Some(surfaces)) => surfaces.pass(encoder, depth, Pass::Depth, timer),
             ("light", Some(surfaces)) => surfaces.pass(encoder, depth, Pass::Light, timer),
-            (_, surfaces) => {
+            (STENCIL, surfaces) => {
                 // Depth is reversed: 0 is farthest.
                 let load = if surfaces.is_some() { LoadOp::Load } else { LoadOp::Clear(0.0) };
                 for light in 0..scene.lights.len() {
@@ -211,12 +222,13 @@ impl Drawn<'_> {
                     scene.draw(&mut target.begin_timed(encoder, STENCIL, timer.as_deref_mut(), None), light)?;
                 }
             }
+            _ => {}
         }
         Ok(())
     }
 }
 
-/// An extractor with the positions and lights of its mesh.
+/// An extractor with the positions of its mesh, and lights.
 pub struct ExtractorRecorder {
     pub extractor: Extractor,
     positions: wgpu::Buffer,
@@ -244,7 +256,7 @@ impl ExtractorRecorder {
         Ok(())
     }
 
-    /// The number of silhouette edges of each light, of the last encode.
+    /// The number of silhouette edges of each light, of the last encode. Empty without one.
     pub fn silhouette_edges(&self, gpu: &Gpu) -> Result<Vec<u64>, Error> {
         let Some(extraction) = &self.extraction else { return Ok(Vec::new()) };
         let counts: Vec<u32> = gpu.read(extraction.results()?.counts)?;
