@@ -143,7 +143,7 @@ impl Scene {
                 let light = self.content.lights.get(bit);
                 let cone = light.map_or_else(LightCone::zeroed, |light| LightCone::of(&light));
                 let version = [u32::from(given.lights.has(bit)), 0, 0, 0];
-                all.push(ViewLight { cone, version, ..self.light_in_view(&given.camera, view, bit) });
+                all.push(ViewLight { version, cone, ..self.light_in_view(&given.camera, view, bit) });
             }
         }
         all
