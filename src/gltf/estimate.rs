@@ -5,6 +5,7 @@ use std::collections::HashSet;
 use super::budget::{self, Budget};
 use super::document::{Document, Mesh, Node};
 use super::error::GltfError;
+use super::files::path_bytes;
 use super::graph::Graph;
 use super::triangles;
 
@@ -21,8 +22,8 @@ struct Size {
 pub(super) fn check(document: &Document, graph: &Graph, files: u64, budget: &Budget) -> Result<(), GltfError> {
     let sizes: Vec<Size> =
         document.meshes.iter().map(|mesh| mesh.part.as_ref().map_or(Size::default(), |m| size(document, m))).collect();
-    let buffers = document.buffers.iter().flatten().filter(|buffer| buffer.uri.is_some());
-    let files = buffers.fold(files, |sum, buffer| sum.saturating_add(buffer.bytes));
+    let buffers = document.buffers.iter().flatten().filter_map(|buffer| Some((buffer.uri.as_ref()?, buffer.bytes)));
+    let files = buffers.clone().fold(files, |sum, (_, bytes)| sum.saturating_add(bytes));
     // The most that is in use at one time, and what for: the error is to name what is enough for all.
     let mut most = (0, String::new());
     let mut take = |bytes: u64, placed: u64, what: &dyn Fn() -> String| {
@@ -31,7 +32,7 @@ pub(super) fn check(document: &Document, graph: &Graph, files: u64, budget: &Bud
             most = (needed, what());
         }
     };
-    let mut lasting: u64 = 0;
+    let mut lasting: u64 = buffers.map(|(uri, _)| path_bytes(uri)).sum();
     for (m, &Size { vertices, faces, targets }) in sizes.iter().enumerate() {
         let welding = budget::welding(vertices, targets, faces);
         take(lasting.saturating_add(files).saturating_add(welding), 0, &|| format!("meshes[{m}]"));

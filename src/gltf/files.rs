@@ -205,8 +205,7 @@ fn bytes<'a>(
             Cow::Owned(bytes)
         }
         Some(uri) => {
-            // The path, decoded in a list that doubles, and an error that quotes it.
-            budget.charge(uri.len() as u64, 4, &json_path)?;
+            budget.charge(path_bytes(uri), 1, &json_path)?;
             Cow::Owned(beside.read(uri, &json_path, buffer.bytes, budget)?)
         }
         None => match binary.filter(|_| index == 0) {
@@ -219,6 +218,11 @@ fn bytes<'a>(
         return Err(GltfError::too_short(format!("buffers[{index}].byteLength"), buffer.bytes, available));
     }
     Ok(Some(bytes))
+}
+
+/// Bytes for the path that a URI names, if it has no data: decoded in a list that doubles, and quoted by an error.
+pub(super) fn path_bytes(uri: &str) -> u64 {
+    if is_data(uri) { 0 } else { 4 * uri.len() as u64 }
 }
 
 fn is_data(uri: &str) -> bool {

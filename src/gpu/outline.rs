@@ -153,7 +153,8 @@ pub enum OutlineSource<'a> {
     /// prepares shadow volumes for it; an encode without [views](crate::gpu::FrameInputs::views) prepares none. A
     /// caster has no outline if its [`Caster::lights`](crate::gpu::Caster::lights) lack the light, if it is out of the
     /// light's range or cone (so give it neither), or if [`Scene::set_occluders`](crate::gpu::Scene::set_occluders)
-    /// hide it from the light. Faces that count nowhere in shadows, by
+    /// hide it from the light. An instance of a model beside the picture may have none, though half of a wide line could
+    /// reach into the picture. Faces that count nowhere in shadows, by
     /// [`Scene::set_excluded`](crate::gpu::Scene::set_excluded), have outlines like all others.
     ///
     /// ```no_run

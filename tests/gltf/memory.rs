@@ -325,15 +325,25 @@ fn torus(is_soup: bool, has_normals: bool) -> Maker {
 fn estimates() -> Outcome {
     let folder = tempfile::tempdir()?;
     let path = folder.path().join("torus.glb");
-    for (is_soup, has_normals) in [(false, false), (false, true), (true, false), (true, true)] {
-        std::fs::write(&path, torus(is_soup, has_normals).glb())?;
+    let cases =
+        [(false, false, false), (false, true, false), (true, false, false), (true, true, false), (false, false, true)];
+    for (is_soup, has_normals, has_uri) in cases {
+        let mut maker = torus(is_soup, has_normals);
+        let mut bytes = maker.glb();
+        if has_uri {
+            std::fs::write(folder.path().join("torus.bin"), &maker.bytes)?;
+            let uri = format!("{}torus.bin", "./".repeat(400));
+            maker.json["buffers"] = json!([{ "uri": uri, "byteLength": maker.bytes.len() }]);
+            bytes = maker.gltf();
+        }
+        std::fs::write(&path, bytes)?;
         let open = |limit: u64| peak(|| Asset::open(&path, options(limit)).map(|asset| used(&asset)));
         let (used, refused) = open(1 << 20);
         let Err(GltfError::TooLarge { needed, .. }) = refused else { return Err(format!("{refused:?}").into()) };
         ensure(used <= SLACK, || format!("{used} bytes used before it was refused"))?;
         let (peak, made) = open(needed);
         ensure(made.as_ref().ok() == Some(&135_000), || format!("{needed} bytes are not enough: {made:?}"))?;
-        println!("soup {is_soup}, normals {has_normals}: {needed} bytes requested, {peak} used");
+        println!("soup {is_soup}, normals {has_normals}, file beside {has_uri}: {needed} bytes requested, {peak} used");
         ensure((peak..=3 * peak / 2).contains(&needed), || format!("{needed} bytes requested, {peak} used"))?;
     }
     Ok(())

@@ -3,13 +3,13 @@
 use glam::{Affine3A, DVec4, Quat, Vec3};
 use rimline::gpu::{
     Caster, CasterHandle, Deformer, DeformerOptions, FrameInputs, LightHandle, PoseInputs, Scene, SceneFrame,
-    SceneOptions,
+    SceneOptions, View,
 };
 use rimline::model::Box3;
 use rimline::{Cone, Instance, Light, Mesh, Model, ModelBounds, Pose, ShadowCamera};
 use rimline_testkit::device::Gpu;
 use rimline_testkit::models::bending_tube;
-use rimline_testkit::on_gpu::{text, views};
+use rimline_testkit::on_gpu::text;
 use rimline_testkit::random::Random;
 
 use crate::histories::looking;
@@ -156,10 +156,10 @@ impl Apart {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         (pose, time_s): (&Pose, f32),
-        cameras: &[ShadowCamera],
+        views: &[View<'_>],
     ) -> Result<SceneFrame, String> {
         self.deformer.encode(encoder, PoseInputs { time_s, ..PoseInputs::new(pose) }).map_err(text)?;
-        self.scene.encode(encoder, FrameInputs::new(&views(cameras))).map_err(text)
+        self.scene.encode(encoder, FrameInputs::new(views)).map_err(text)
     }
 
     pub(crate) fn positions(&self, gpu: &Gpu) -> Result<Vec<[u32; 3]>, String> {

@@ -56,6 +56,14 @@ struct Moment {
     walkers: Vec<Walker>,
     lights: Vec<Light>,
     cameras: Vec<ShadowCamera>,
+    /// The lights of the two views.
+    masks: [LightMask; 2],
+}
+
+impl Moment {
+    fn views_of(&self, cameras: &[ShadowCamera]) -> Vec<View<'static>> {
+        cameras.iter().zip(self.masks).map(|(&camera, lights)| View { lights, ..View::new(camera) }).collect()
+    }
 }
 
 /// A crowd in a scene that deforms it as far as a frame needs, and what is to be drawn next.
@@ -93,7 +101,7 @@ impl Play {
         let (gpu, mut random) = Gpu::seeded(seed)?;
         let crowd = Crowd::new(walkers)?;
         let (lights, walkers) = (lights(&mut random), crowd.walkers(&mut random));
-        let next = Moment { walkers, lights, cameras: vec![camera(&mut random)] };
+        let next = Moment { walkers, lights, cameras: vec![camera(&mut random)], masks: [LightMask::ALL; 2] };
         let (scene, model, lights) = staged(&gpu, &crowd, &next, options())?;
         Ok(Self { gpu, random, crowd, scene, model, lights, excludes: false, next })
     }
@@ -116,13 +124,14 @@ impl Play {
     }
 
     fn deform(&mut self, encoder: &mut wgpu::CommandEncoder, cameras: &[ShadowCamera]) -> Result<(), String> {
-        self.scene.deform(encoder, FrameInputs::new(&views(cameras))).map_err(text)
+        let inputs = self.next.views_of(cameras);
+        self.scene.deform(encoder, FrameInputs::new(&inputs)).map_err(text)
     }
 
     /// Records a frame into an encoder, in which the models may be deformed already. Call [`Self::set_pose`] before, if
     /// figures changed.
     fn record(&mut self, mut encoder: wgpu::CommandEncoder) -> Result<Recorded, String> {
-        let inputs = views(&self.next.cameras);
+        let inputs = self.next.views_of(&self.next.cameras);
         let frame = self.scene.encode(&mut encoder, FrameInputs::new(&inputs)).map_err(text)?;
         let volumes = VolumeBuffers::new(&frame, self.next.cameras.len())?;
         Ok(Recorded { encoder, volumes, statistics: frame.statistics().clone(), moment: self.next.clone() })
@@ -185,7 +194,8 @@ impl Play {
             exclude(&mut other.scene, &other.casters, &other.lights)?;
         }
         let pose = self.crowd.pose(&moment.walkers)?;
-        let frame = gpu.submit(|encoder| other.encode(encoder, (&pose, 0.0), &moment.cameras))?;
+        let inputs = moment.views_of(&moment.cameras);
+        let frame = gpu.submit(|encoder| other.encode(encoder, (&pose, 0.0), &inputs))?;
         same("instances", &found.instances, &volumes(gpu, &frame, moment.cameras.len())?.instances)?;
         let (positions, all, culled) = (self.positions()?, other.positions(gpu)?, self.culled()?);
         let vertices = all.len() / count;
@@ -343,25 +353,26 @@ fn most_views() -> Result<(), String> {
     if culled > 5 && culled < 60 { Ok(()) } else { Err(format!("{culled} of 60 figures culled")) }
 }
 
-/// A view needs figures for its own lights, as if they had no others. Figures deformed for fewer lights are deformed anew.
+/// A view needs figures for its own lights, as if they had no others; without lights only those that it sees. Figures deformed
+/// for fewer lights are deformed anew.
 fn left_out() -> Result<(), String> {
     let mut fewer = 0;
     for seed in 4701..4705 {
         let mut play = Play::new(seed, 60)?;
-        let cameras = [play.next.cameras[0], camera(&mut play.random)];
+        let cameras = [play.next.cameras[0], camera(&mut play.random), camera(&mut play.random)];
         let light = play.lights[seed as usize % play.lights.len()];
-        let masks = [LightMask::only([light]), LightMask::ALL.without(light)];
-        let mut of_views = Vec::new();
+        let masks = [LightMask::only([light]), LightMask::ALL.without(light), LightMask::NONE];
+        let mut in_all = vec![true; 60];
         for (camera, mask) in cameras.into_iter().zip(masks) {
             play.set_all(mask)?;
-            of_views.push(play.culled_in(&[View::new(camera)])?);
+            let of_view = play.culled_in(&[View::new(camera)])?;
+            in_all.iter_mut().zip(of_view).for_each(|(in_all, in_view)| *in_all &= in_view);
         }
         play.set_all(LightMask::ALL)?;
         let whole = cameras.map(View::new);
-        let parts = [0, 1].map(|number| View { lights: masks[number], ..whole[number] });
+        let parts = [0, 1, 2].map(|number| View { lights: masks[number], ..whole[number] });
         let (culled, found) = (play.culled_in(&whole)?, play.culled_in(&parts)?);
-        let in_both: Vec<bool> = of_views[0].iter().zip(&of_views[1]).map(|(one, other)| *one && *other).collect();
-        same(&format!("seed {seed}"), &found, &in_both)?;
+        same(&format!("seed {seed}"), &found, &in_all)?;
         fewer += number_of(&found) - number_of(&culled);
         for (deformed, encoded) in [(parts, whole), (whole, parts)] {
             play.gpu.submit(|encoder| {
@@ -374,8 +385,18 @@ fn left_out() -> Result<(), String> {
     if fewer > 0 { Ok(()) } else { Err("no view needs fewer figures for fewer lights".to_owned()) }
 }
 
-/// Frames are dropped, swapped, of another pose or the same, of mirror images, with excluded faces or without. Models are
-/// deformed before some, for their views or for others, and something changes between `deform` and the encode.
+/// The lights of two views at a step: all, all but one, or one.
+fn masks(lights: &[LightHandle], step: usize) -> [LightMask; 2] {
+    [step, step + 1].map(|number| match (number % 3, lights[number % lights.len()]) {
+        (0, _) => LightMask::ALL,
+        (1, light) => LightMask::ALL.without(light),
+        (_, light) => LightMask::only([light]),
+    })
+}
+
+/// Frames are dropped, swapped, of another pose or the same, of mirror images, with excluded faces or without. Views leave
+/// out lights that they have in other frames. Models are deformed before some, for their views or for others, and something
+/// changes between `deform` and the encode.
 fn histories() -> Result<(), String> {
     let (mut sum, mut late, mut between, mut noticed, mut unexcluded) = (Drawn::default(), 0, 0, 0, 0);
     for seed in 4201..if is_long() { 4301 } else { 4213 } {
@@ -390,6 +411,7 @@ fn histories() -> Result<(), String> {
             let what = |error| format!("step {step}: {error}");
             let mut encoder = encoder(&play.gpu);
             play.set_pose()?;
+            play.next.masks = masks(&play.lights, step);
             let gets_lights = play.random.below(8) == 0;
             if gets_lights {
                 play.set_all(LightMask::NONE)?;
@@ -409,6 +431,8 @@ fn histories() -> Result<(), String> {
                 play.set_all(LightMask::ALL)?;
             }
             between += u32::from(is_deformed && (changes || gets_lights));
+            // In half of the steps views get lights or lose some.
+            play.next.masks = masks(&play.lights, step + step / 2 % 2);
             let recorded = play.record(encoder).map_err(what)?;
             match play.random.below(4) {
                 0 => {}

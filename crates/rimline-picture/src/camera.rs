@@ -63,7 +63,8 @@ impl Camera {
         let ahead = |point: Vec3| (point - self.eye).dot(self.forward);
         let under = ahead(models.centre().with_y(bounds.ground));
         let farthest = models.corners().map(ahead).into_iter().fold(under.max(0.0), f32::max);
-        let end = (farthest + beyond * models.extent()).max(2.0 * self.near);
+        // From far away distances round by more than the extent.
+        let end = (farthest + beyond * models.extent()).max(1.000_01 * farthest).max(2.0 * self.near);
         Self { far: self.far.map(|far| far.min(end)), ..*self }
     }
 
@@ -135,6 +136,12 @@ mod tests {
             let found = camera.with_nearer_far_plane(&bounds, 2.0);
             assert_eq!(found, Camera { far: Some(expected), ..camera });
             assert_eq!(found.shadow_camera().check(), Ok(()));
+        }
+        for distance in [1e8, 1e20] {
+            let eye = Vec3::new(0.0, 0.0, distance);
+            let (right, up, forward) = (Vec3::X, Vec3::Y, Vec3::NEG_Z);
+            let camera = Camera { eye, right, up, forward, scale: [1.0; 2], near: 0.5, far: Some(f32::MAX) };
+            assert!(camera.with_nearer_far_plane(&bounds, 2.0).far > Some(distance + 1.0), "{distance}");
         }
     }
 }

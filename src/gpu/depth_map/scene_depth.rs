@@ -65,7 +65,9 @@ impl SceneDepth {
     }
 
     /// Draws the current casters of `scene` as `light` sees them. Rigid ones have the positions of their mesh and their
-    /// transform; others have the positions that are in their buffers when the pass runs. The scene need not be encoded.
+    /// transform; others have the positions that are in their buffers when the pass runs. The scene need not be encoded,
+    /// but for models: an instance that the last encode did not need is missing. For all that the light sees, encode with
+    /// one more [`View`](crate::gpu::View), of this camera and with [`LightMask::NONE`](crate::gpu::LightMask::NONE).
     /// Clear the depth of the pass to the far end before: 0 with reversed depth, else 1.
     ///
     /// The draw reads the scene's pages, so [`Scene::remove_mesh`] treats it like an encode.
