@@ -156,7 +156,7 @@ fn lists() -> Result<(), String> {
         // Marks, in some: two thresholds, and edges that are continued.
         let dangling = Some(DanglingEdges { share: 0.125, cells: 1 + round as u32 % 5 });
         let method = match round % 4 {
-            _ if round % 8 == 7 => DepthMapMethod::Automatic { dangling },
+            _ if round % 16 == 7 => DepthMapMethod::Automatic { dangling },
             3 => DepthMapMethod::SecondDifferences { low: 0.01, high: 0.1, dangling },
             2 => DepthMapMethod::Differences { threshold: 0.2, dangling },
             _ if threshold < 0.0 => EVERY_CELL,
