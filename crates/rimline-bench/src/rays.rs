@@ -10,16 +10,28 @@ use nalgebra::{Point3, Vector3};
 /// Triangles in a tree of boxes.
 pub struct Tracer<T> {
     triangles: Vec<Triangle<T>>,
-    tree: Bvh<f64, 3>,
+    tree: Tree,
 }
 
 pub struct Triangle<T> {
     pub corners: [DVec3; 3],
     pub of: T,
+}
+
+/// The tree alone. No caller's type is part of it, because generic code is compiled in the caller's crate, and tests are
+/// optimised less than this crate (`Cargo.toml`).
+struct Tree {
+    shapes: Vec<Shape>,
+    boxes: Bvh<f64, 3>,
+}
+
+struct Shape {
+    corners: [DVec3; 3],
+    triangle: usize,
     node: usize,
 }
 
-impl<T> Bounded<f64, 3> for Triangle<T> {
+impl Bounded<f64, 3> for Shape {
     fn aabb(&self) -> Aabb<f64, 3> {
         let [a, b, c] = self.corners;
         let (low, high) = (a.min(b).min(c), a.max(b).max(c));
@@ -30,7 +42,7 @@ impl<T> Bounded<f64, 3> for Triangle<T> {
     }
 }
 
-impl<T> BHShape<f64, 3> for Triangle<T> {
+impl BHShape<f64, 3> for Shape {
     fn set_bh_node_index(&mut self, index: usize) {
         self.node = index;
     }
@@ -40,29 +52,53 @@ impl<T> BHShape<f64, 3> for Triangle<T> {
     }
 }
 
+impl Shape {
+    fn met(&self, (from, direction): (DVec3, DVec3)) -> Option<(f64, usize)> {
+        Some((meeting(self.corners, from, direction)?, self.triangle))
+    }
+}
+
+impl Tree {
+    fn build(corners: Vec<[DVec3; 3]>) -> Self {
+        let shape = |(triangle, corners)| Shape { corners, triangle, node: 0 };
+        let mut shapes: Vec<_> = corners.into_iter().enumerate().map(shape).collect();
+        let boxes = Bvh::build(&mut shapes);
+        Self { shapes, boxes }
+    }
+
+    fn meetings(&self, ray: (DVec3, DVec3)) -> Vec<(f64, usize)> {
+        self.boxes.traverse(&through_boxes(ray), &self.shapes).into_iter().filter_map(|shape| shape.met(ray)).collect()
+    }
+
+    fn nearest(&self, ray: (DVec3, DVec3)) -> Option<(f64, usize)> {
+        // Without a list of all, which costs more than the meetings.
+        let line = through_boxes(ray);
+        let meetings = self.boxes.traverse_iterator(&line, &self.shapes).filter_map(|shape| shape.met(ray));
+        meetings.filter(|(t, _)| *t > 0.0).min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+}
+
+fn through_boxes((from, direction): (DVec3, DVec3)) -> Ray<f64, 3> {
+    Ray::new(Point3::new(from.x, from.y, from.z), Vector3::new(direction.x, direction.y, direction.z))
+}
+
 impl<T> Tracer<T> {
     pub fn build(triangles: impl IntoIterator<Item = ([DVec3; 3], T)>) -> Self {
-        let mut triangles: Vec<_> =
-            triangles.into_iter().map(|(corners, of)| Triangle { corners, of, node: 0 }).collect();
-        let tree = Bvh::build(&mut triangles);
+        let triangles: Vec<_> = triangles.into_iter().map(|(corners, of)| Triangle { corners, of }).collect();
+        let tree = Tree::build(triangles.iter().map(|triangle| triangle.corners).collect());
         Self { triangles, tree }
     }
 
     /// Where the line through `from` along `direction` meets triangles, in multiples of `direction` and in no order.
     /// Meetings behind `from` may be missing.
     pub fn meetings(&self, (from, direction): (DVec3, DVec3)) -> impl Iterator<Item = (f64, &Triangle<T>)> {
-        let ray = Ray::new(Point3::new(from.x, from.y, from.z), Vector3::new(direction.x, direction.y, direction.z));
-        let near = self.tree.traverse(&ray, &self.triangles).into_iter();
-        near.filter_map(move |triangle| Some((meeting(triangle.corners, from, direction)?, triangle)))
+        self.tree.meetings((from, direction)).into_iter().map(move |(t, triangle)| (t, &self.triangles[triangle]))
     }
 
     /// Where a ray first meets a triangle, in multiples of `direction`, and which.
-    pub fn nearest(&self, (from, direction): (DVec3, DVec3)) -> Option<(f64, &Triangle<T>)> {
-        let ray = Ray::new(Point3::new(from.x, from.y, from.z), Vector3::new(direction.x, direction.y, direction.z));
-        // Without a list of all, which costs more than the meetings.
-        let near = self.tree.traverse_iterator(&ray, &self.triangles);
-        let meetings = near.filter_map(|triangle| Some((meeting(triangle.corners, from, direction)?, triangle)));
-        meetings.filter(|(t, _)| *t > 0.0).min_by(|a, b| a.0.total_cmp(&b.0))
+    pub fn nearest(&self, ray: (DVec3, DVec3)) -> Option<(f64, &Triangle<T>)> {
+        let (t, triangle) = self.tree.nearest(ray)?;
+        Some((t, &self.triangles[triangle]))
     }
 
     /// Where a ray first meets a triangle, and which.
