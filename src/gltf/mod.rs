@@ -31,7 +31,7 @@
 //!   both with and without a skin gives two geometries.
 //! * **Matrices.** The last row of a matrix may differ from (0, 0, 0, 1) by 10⁻⁵, and is then read as that. Rotations
 //!   are scaled to length 1; one of length 0 is no rotation, with a warning, and in an animation a fault. The warning
-//!   of a node's instances names the first of them.
+//!   of a node's instances names the first such.
 //! * **Animations.** Several play together unless two move the same property of a node. If several channels of one
 //!   animation do, the last one applies. Keys of the same time are a step. Channels are ignored with a warning if they
 //!   have no target node, a pointer (`KHR_animation_pointer`) or an unknown path, or move the morph weights of a node
