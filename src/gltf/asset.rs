@@ -180,9 +180,9 @@ impl Asset {
 
     /// Parts of the file that were skipped, or read in another way than they are written. The command prints all of them.
     ///
-    /// A damaged part that the chosen scene needs is refused, and the file with it. Every other one, but for cameras, is a
-    /// [`GltfWarning::Damaged`]: animations, lights, materials, and meshes, skins, nodes and data that the scene does not
-    /// show.
+    /// A damaged part that the chosen scene needs is refused, and the file with it. Every other one, but for cameras and for
+    /// colours that no face and no vertex gets, is a [`GltfWarning::Damaged`]: animations, lights, materials, and meshes,
+    /// skins, nodes and data that the scene does not show.
     pub fn warnings(&self) -> &[GltfWarning] {
         &self.warnings
     }

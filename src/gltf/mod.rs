@@ -12,13 +12,16 @@
 //! * **Primitives.** All triangle primitives of a mesh make one [`Geometry`](crate::Geometry). Points, lines, and
 //!   primitives without positions are skipped and counted, see [`Asset::skipped`]. So a file may have no faces at all.
 //! * **Colours.** `baseColorFactor` of materials and `COLOR_0` give [`Asset::colors`], without alpha and clamped to 0
-//!   to 1. A fault in them is a warning, and the colour is then white. Textures are never read. If vertices at one
-//!   position have different colours, all faces of the geometry get the mean of their corners.
+//!   to 1. A fault in them is a warning, and the colour is then white. A primitive without triangles or positions needs no
+//!   colour, and `COLOR_0` of one that shares the vertices of an earlier one is not read; faults there get no warning.
+//!   Textures are never read. If vertices at one position have different colours, all faces of the geometry get the mean of
+//!   their corners.
 //! * **Cameras** are read where a caller asks for them: [`Asset::each_camera`]. A fault in one is then an error, and no
 //!   warning.
 //! * **Large coordinates.** Transforms of nodes are composed in `f64`. [`Asset::set_origin`] subtracts a point near the
 //!   scene there, before anything becomes `f32`. The center of `CESIUM_RTC` is added once, in world space.
-//! * **Shared children.** A child of two nodes is placed below the first of them, with a warning.
+//! * **Shared children.** A child of two nodes is placed, with a warning, below the first of them that a walk of the scene
+//!   meets, or else below the first in the file.
 //! * **Corners.** One or two corners that are left over in a list of triangles are ignored, with a warning. An index must
 //!   not be the largest of its type. One that is gets a warning: in a list of triangles it names a vertex, if there is
 //!   one. Elsewhere it begins a new triangle, strip or fan.
@@ -27,7 +30,8 @@
 //!   zero, the vertex follows the first joint listed. A joint of weight zero may have any index. A mesh that is used
 //!   both with and without a skin gives two geometries.
 //! * **Matrices.** The last row of a matrix may differ from (0, 0, 0, 1) by 10⁻⁵, and is then read as that. Rotations
-//!   are scaled to length 1; one of length 0 is no rotation, with a warning, and in an animation a fault.
+//!   are scaled to length 1; one of length 0 is no rotation, with a warning, and in an animation a fault. The warning
+//!   of a node's instances names the first such.
 //! * **Animations.** Several play together unless two move the same property of a node. If several channels of one
 //!   animation do, the last one applies. Keys of the same time are a step. Channels are ignored with a warning if they
 //!   have no target node, a pointer (`KHR_animation_pointer`) or an unknown path, or move the morph weights of a node

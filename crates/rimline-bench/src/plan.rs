@@ -47,7 +47,7 @@ pub enum PlanError {
          name some in --scenes, or leave --casters out"
     )]
     CastersWithoutScene,
-    #[error("{what} needs a GPU; leave it out, or leave out `--device cpu`")]
+    #[error("{what} needs a GPU; leave it out, or measure on a GPU")]
     NeedsGpu { what: String },
 }
 

@@ -1,9 +1,8 @@
 //! `rimline bench`: run time against error, of this device, as a few lines, JSON and a page with charts. The crate
 //! `rimline-bench` measures; here are its device, progress and files.
 
-use std::cell::OnceCell;
 use std::fs::File;
-use std::io::{Read as _, Write as _};
+use std::io::{self, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -15,7 +14,7 @@ use rimline_bench::{
 };
 use rimline_files::Polygons;
 
-use crate::device::{self, Device, Gpu, GpuError, Wanted};
+use crate::device::{self, Device, Gpu, GpuError};
 use crate::failure::Failure;
 use crate::files::{self, Inputs, check_ending, check_folder};
 use crate::film;
@@ -31,24 +30,25 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     }
     let wanted = &args.device.device;
     let measured_before = args.depth_maps.as_deref().map(times_of_depth_maps).transpose()?;
-    let plan = match Plan::new(options(args)?) {
+    let options = options(args)?;
+    let device = device::open(wanted)?;
+    // `auto` may have found no GPU.
+    let plan = match Plan::new(Options { cpu_only: matches!(device, Device::Cpu), ..options }) {
         Ok(plan) => Some(plan),
         // Times from before are enough for a report.
         Err(PlanError::Nothing) if measured_before.is_some() => None,
         Err(error) => return Err(Failure::usage(error.to_string())),
     };
     let destination = Destination::new(args)?;
-    let device = device::open(wanted)?;
     let gpu = match &device {
         Device::Cpu => None,
         Device::Gpu(gpu) => Some(&**gpu),
     };
     output::finish_at_interrupt();
     // A second device on the same adapter, once it is needed.
-    let second = OnceCell::new();
     let another = || {
         let gpu = device::open_gpu(wanted).map_err(|error| Error::Device(error.to_string()))?;
-        Ok(measured(second.get_or_init(|| gpu)))
+        Ok(measured(&gpu))
     };
     let first = gpu.map(measured);
     let opened = match (gpu, &first) {
@@ -76,6 +76,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     if results.is_complete() { Ok(()) } else { Err(Failure::Interrupted) }
 }
 
+/// The measurements that the command line asks for, on a device that is not open yet.
 fn options(args: &BenchArgs) -> Result<Options, Failure> {
     let counts = |numbers: &Option<Vec<usize>>| {
         numbers.as_ref().map(|numbers| numbers.iter().copied().filter(|&number| number > 0).collect())
@@ -89,7 +90,7 @@ fn options(args: &BenchArgs) -> Result<Options, Failure> {
         lights: args.lights.as_ref().map(|lights| lights.iter().copied().map(usize::from).collect()),
         rounds: args.rounds.map(usize::from),
         frames: args.frames.map(usize::from),
-        cpu_only: args.device.device == Wanted::Cpu,
+        cpu_only: false,
         model: args.file.as_deref().map(|file| model(file, args)).transpose()?,
     })
 }
@@ -174,16 +175,19 @@ struct Destination {
 }
 
 impl Destination {
-    /// Makes the folder, and tries both paths, so that an unwritable one is known before the long work.
+    /// Makes the folder, and tries all files, so that one that cannot be written is known before the long work.
     fn new(args: &BenchArgs) -> Result<Self, Failure> {
+        let inputs = Inputs::new(args.file.iter().chain(&args.depth_maps));
         let folder = |path: &PathBuf| -> Result<_, Failure> {
             check_folder(path, "--report names a folder; give the name of a folder")?;
             check_report_folder(path)?;
             let folder = Folder::create_all(path)?;
-            drop(Output::create(&path.join("index.html"))?);
+            for file in report_files().map(|name| path.join(name)) {
+                inputs.spare(&file)?;
+                Output::check(&file)?;
+            }
             Ok((path.clone(), folder))
         };
-        let inputs = Inputs::new(args.file.iter().chain(&args.depth_maps));
         args.json.as_deref().map_or(Ok(()), |file| check_ending(file, "json").and_then(|()| inputs.spare(file)))?;
         Ok(Self {
             folder: args.report.as_ref().map(folder).transpose()?,
@@ -198,7 +202,8 @@ impl Destination {
         let Some((folder, _kept)) = &self.folder else { return Ok(()) };
         // Charts of an earlier report may show results that this one does not have.
         film::remove_earlier(chart_files().map(|name| folder.join(name)))?;
-        for (name, bytes) in results.report().map_err(|error| failure(error, None))? {
+        let report = results.report().map_err(|error| Failure::output(folder)(io::Error::other(error.to_string())))?;
+        for (name, bytes) in report {
             Output::create(&folder.join(name))?.finish(|output| output.write_all(&bytes))?;
         }
         note(&format!("wrote the report; open {}", folder.join("index.html").display()));
@@ -210,11 +215,15 @@ fn chart_files() -> impl Iterator<Item = String> {
     CHARTS.iter().map(|id| format!("{id}.png"))
 }
 
+/// The files of a report. Some charts may be missing in one.
+fn report_files() -> impl Iterator<Item = String> {
+    ["index.html", "data.json"].map(str::to_owned).into_iter().chain(chart_files())
+}
+
 /// Refuses a folder where a report would replace files of somebody else: those that it writes are there, and the page is
 /// not a report's.
 fn check_report_folder(folder: &Path) -> Result<(), Failure> {
-    let names = ["index.html", "data.json"].map(str::to_owned).into_iter().chain(chart_files());
-    let there: Vec<String> = names.filter(|name| folder.join(name).symlink_metadata().is_ok()).collect();
+    let there: Vec<String> = report_files().filter(|name| folder.join(name).symlink_metadata().is_ok()).collect();
     if there.is_empty() || is_report(&folder.join("index.html")) {
         return Ok(());
     }
@@ -278,8 +287,8 @@ pub(crate) struct BenchArgs {
     pub(crate) scenes: Option<Vec<String>>,
 
     /// Numbers of casters for the scenes `casters`, `still`, `city`, `crowd`, `moving` and `house`, or `none`: boxes, and up
-    /// to 1,000 figures of 4,000 faces [default: 1, 10, 100, 200, 1,000 and 10,000 (quick: 1, 10 and 100); 1,000
-    /// figures (quick: 20) and 10,000 buildings (quick: 100)]
+    /// to 1,000 figures of 4,000 faces, in `house` 108 [default: `casters` 1, 10, 100, 200, 1,000 and 10,000 (quick: 1, 10
+    /// and 100), `city` 10,000 (quick: 100), `still` and `crowd` 1,000, `moving` 200, `house` 100 (quick: 20)]
     #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = count(100_000, "casters up to 100,000"))]
     pub(crate) casters: Option<Vec<usize>>,
 
@@ -298,8 +307,8 @@ pub(crate) struct BenchArgs {
     )]
     pub(crate) lights: Option<Vec<u16>>,
 
-    /// The largest number of counted runs of each method. Slow rows have fewer, but at least 5 (quick, and of camera paths:
-    /// 3) [default: 21 (quick: 9)]
+    /// The largest number of counted runs of each method. Slow rows have fewer, but at least 5 (quick, of camera paths, and of
+    /// what a frame skips: 3) [default: 21 (quick: 9)]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub(crate) rounds: Option<u16>,
 

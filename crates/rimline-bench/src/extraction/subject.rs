@@ -89,7 +89,8 @@ impl Made {
         let around = |index: usize| {
             let angle = index as f32 * 0.61;
             let towards = [3.0 * angle.cos(), 2.0 + 0.1 * index as f32, 3.0 * angle.sin()];
-            let at = std::array::from_fn(|axis| middle[axis] + size * towards[axis]);
+            // Beside a huge model it would be infinite.
+            let at = std::array::from_fn(|axis| (middle[axis] + size * towards[axis]).clamp(f32::MIN, f32::MAX));
             if index.is_multiple_of(2) { Light::point(at) } else { Light::directional(towards) }
         };
         (0..count).map(around).collect()
@@ -117,6 +118,15 @@ pub(crate) fn extent(positions: &[[f32; 3]]) -> ([f32; 3], f32) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lights_around_a_huge_model_are_lights() {
+        let positions = vec![[-1.5e38, 0.0, 0.0], [1.5e38, 0.0, 0.0], [0.0, 1.5e38, 0.0]];
+        let mesh = Mesh::from_faces(positions.len(), vec![[0, 1, 2]]).expect("a face");
+        let model = Model { name: String::new(), positions, mesh, lights: Vec::new() };
+        let made = Subject::OfUser(Box::new(model)).make().expect("the same face");
+        assert_eq!(rimline::check_lights(&made.lights(1024), 1024), Ok(()));
+    }
 
     #[test]
     fn extents_are_finite() {

@@ -22,7 +22,7 @@ const SETTLED: usize = 2;
 const DEFORM: Metric = Metric::Time("deform");
 
 /// Levels of skipping: names in the data and for people, and the work that is done without them. Clusters have an option
-/// of their own.
+/// of their own. Occluded faces are no level here: no scene has any excluded.
 const LEVELS: [(&str, &str, &[Measuring]); 7] = [
     ("light-reach", "light reach", &[Measuring::CULLED_BY_RANGE]),
     ("shadow-reach", "shadow reach", &[Measuring::CULLED_BY_VIEW]),
@@ -53,7 +53,8 @@ const COUNTERS: [Counter; 14] = [
     ("capped-volumes", |counted| counted.shadows.near_capped),
 ];
 
-/// All levels off, all on, and each that matters to the scene off alone, with options for so many lights.
+/// All levels off, all on, and each off alone, with options for so many lights. Occluders are off alone where there are some,
+/// and of a scene of one mesh only clusters are.
 fn choices(scene: &SkipScene, max_lights: usize) -> Vec<(Variant, SceneOptions)> {
     let choice = |id: &str, name: &str, is_on: &dyn Fn(usize) -> bool| {
         let mut options = SceneOptions { max_lights, ..SceneOptions::default() };
@@ -174,8 +175,8 @@ fn stages_alone(recorder: &mut SceneRecorder<'_>, stopwatch: &mut Stopwatch<'_>)
     Ok(sample)
 }
 
-/// Runs the next frame: poses, deforms, draws depths, then runs stages and stencil passes. Poses and depths are the caller's
-/// in any case, so they are not timed.
+/// Runs the next frame: poses and deforms casters that walk, draws depths, then runs stages and stencil passes. Poses and depths
+/// are the caller's in any case, so they are not timed. The whole frame is timed by the clock.
 fn frame(drawn: &mut Drawn<'_>, stopwatch: &mut Stopwatch<'_>) -> Result<Sample, Error> {
     let [mut recording_ms, mut frame_ms] = [0.0; 2];
     if drawn.scene.begin()? {

@@ -353,6 +353,15 @@ fn depth_maps() -> Outcome {
     ensure!(times["frame"]["median"] == 160.0 && times["stencil"]["median"] == 40.0, "{times:#}");
     let html = check_report(&folder, "report")?;
     ensure!(html.contains("a device") && html.contains("of the map, automatic"), "the section is not there");
+    // An input that the report would replace, and a name that it cannot have, are refused before the work.
+    folder.write("report/data.json", good.to_string())?;
+    let replaced = format!("bench {}", line.replace("@times", "@report/data"));
+    folder.run(&replaced).expect(2, &["data.json is an input"])?;
+    let chart = folder.path().join("report/depth_maps_against_meshes.png");
+    std::fs::remove_file(&chart).and_then(|()| std::fs::create_dir(&chart)).map_err(|error| error.to_string())?;
+    let run = folder.run(&format!("bench {line}"));
+    run.expect(4, &["it is a folder"])?;
+    ensure!(run.stdout.is_empty(), "it began: {}", run.stdout);
     // Refused before anything is written.
     let wrong_values = [
         ("/rows/1/variants/0/times/frame/rounds/1", json!(-1.0)),
