@@ -2,7 +2,8 @@
 // by the stages `contour_…`, `depth_walls` and `depth_near_walls`, which bind what samples.wgsl has, of a single map.
 // A contour is the line where a surface ends before another or before nothing, as the light sees it. It crosses marked
 // edges: those between two samples of different surfaces. A rim is where a smooth surface bends away from the light.
-// A cell is the square between four samples; a tile has 16 × 16 cells. A crossing is a position on an edge, in 1/256 texel.
+// A cell is the square between four samples; a tile has 16 × 16 cells. A crossing is a position on an edge, in 1/256 texel;
+// the buffer `crossings` has it in 1/65,536.
 // A distance is the device depth from the near plane on, in units of 2⁻²⁹ of its range. `sample`: a position on the lattice.
 // Integers decide everything, so lists of walls are the same on every device, to the word. Keep shifts and clamps: without
 // them products would overflow. Claims: docs/numerics/contours.md.
@@ -29,7 +30,7 @@ struct ContourShape {
   shift: u32,
   // The bias, which moves surfaces away from the light, is the sum of three terms (`biased_distance`).
   slope_bias: i32, // Times the slope for each texel, in 1/256.
-  noise_share: i32, // Times the depth, in 2⁻²⁹.
+  noise_share: i32, // Times the depth, in 2⁻²⁹. May be negative, but the sum with the constant is not.
   noise_constant: i32, // A distance.
 }
 
@@ -111,8 +112,9 @@ fn central_slope(sample: vec2<i32>, step: vec2<i32>) -> i32 {
   return select(abs(minmod(distance - before, after - distance)), 0, max(distance, max(before, after)) == FAR);
 }
 
-// The error that depths of the map and of the eye may have together: `noise_share` of the depth, and `noise_constant`. It is
-// a term of the bias, and `fit_conic` needs differences NOISE_FACTOR times as large.
+// The error that depths of the map may have, by their format and by a conversion from distances: `noise_share` of the depth,
+// and `noise_constant`. It is a term of the bias, and `fit_conic` needs differences NOISE_FACTOR times as large. The error of
+// the eye's depths is not in it: the matrix to the eye has that (`eye_matrix` in src/gpu/depth_map/view.rs).
 fn depth_noise(distance: i32) -> i32 {
   let depth = select(distance, RANGE - distance, depth_map.is_reversed != 0u);
   return (((depth >> 10u) * contour.noise_share) >> 19u) + contour.noise_constant;

@@ -87,7 +87,7 @@ fn contour_marks(
         if (axis == 0u) {
           right = neighbour;
         }
-        if (all(sample + step < lattice) && sample.x < lattice.x) {
+        if (all(sample + step < lattice)) {
           let state = jump_state(sample, step, distance, neighbour);
           marked |= (state & 1u) << u32(bit);
           undecided |= (state >> 1u) << u32(bit);

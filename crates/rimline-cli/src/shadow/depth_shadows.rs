@@ -1,11 +1,11 @@
-//! Shadows from depth maps of the lights: those that the command draws itself, `--from-depth`, or one that the caller made,
-//! `--depth`.
+//! Shadows from depth maps of the lights: those that the command draws itself, `--from-depth`, or those of one light in a
+//! file, `--depth`.
 
 use std::sync::Arc;
 
 use rimline::gpu::depth_map::{
     DepthCubeMaps, DepthMap, DepthMapCube, DepthMapError, DepthMapFrame, DepthMapMethod, DepthMapPipelines,
-    DepthMapTexture, DepthMapVolumes, DepthMetric, MeshDepth,
+    DepthMapStatistics, DepthMapTexture, DepthMapVolumes, DepthMetric, MeshDepth,
 };
 use rimline::gpu::{ShadowStatistics, StageTimer};
 use rimline::{DepthDirection, Origin, ShadowCamera, wgpu};
@@ -31,7 +31,7 @@ pub(super) struct DepthShadows<'a> {
 }
 
 struct File {
-    /// Where the command draws the maps.
+    /// Draws the file into maps. `None`: the maps are given.
     depth: Option<MeshDepth>,
     surface: Extracted,
 }
@@ -117,11 +117,18 @@ impl Shadows for DepthShadows<'_> {
     }
 
     fn depths_found(&self) -> Result<Option<DepthsFound>, GpuError> {
-        let found = |maps: &LightMaps| {
-            let Rebuilt { capacity, cells, .. } = maps.rebuilt();
-            Ok::<_, GpuError>(DepthFound { maps: maps.views.len(), listed: self.gpu.read_first(cells)?, capacity })
+        // Lists may have hundreds of megabytes, so only their counts are read.
+        let (mut encoder, mut copies) = (self.gpu.encoder("counts of depth maps"), Vec::new());
+        for LightMaps { views, frame, .. } in &self.lights {
+            let Some(frame) = frame else { continue };
+            copies.push((views.len(), frame.statistics(&mut encoder)?));
+        }
+        self.gpu.submit(encoder);
+        let found = |(maps, counts): (usize, wgpu::Buffer)| {
+            let DepthMapStatistics { found: listed, capacity, .. } = self.gpu.read_first(&counts)?;
+            Ok::<_, GpuError>(DepthFound { maps, listed, capacity })
         };
-        let lights = self.lights.iter().map(found).collect::<Result<_, _>>()?;
+        let lights = copies.into_iter().map(found).collect::<Result<_, _>>()?;
         let takes_every = self.from.method == DepthMapMethod::EveryCell;
         Ok(Some(DepthsFound { size: self.from.size, takes_every, has_walls: self.from.has_walls(), lights }))
     }
@@ -165,6 +172,7 @@ fn draw_map(
 
 struct LightMaps {
     maps: Maps,
+    /// The maps of device depths: drawn, given, or converted from `distances`.
     views: Vec<wgpu::TextureView>,
     /// One for each map, or none if the maps are depths.
     distances: Vec<Distances>,
@@ -184,9 +192,9 @@ struct Distances {
 
 /// The shadows that were rebuilt from maps.
 struct Rebuilt<'a> {
-    /// The cells that the list has room for.
+    /// Cells, or walls and flaps, that the list has room for.
     capacity: u32,
-    /// The list.
+    /// The list, which begins with its count.
     cells: &'a wgpu::Buffer,
     /// One map, or six in one.
     texture: Option<&'a wgpu::TextureView>,
@@ -254,7 +262,7 @@ impl LightMaps {
                 let map = DepthMap { texture, light, objects: self.objects.as_ref() };
                 volumes.encode_timed(encoder, &map, eye, timer)?
             }
-            // There are as many cameras as when they were made.
+            // Not reached: `encode` makes other maps if the number of cameras changes.
             _ => return Err(DepthMapError::StaleFrame.into()),
         };
         let capacity = self.rebuilt().capacity;
@@ -275,7 +283,7 @@ impl LightMaps {
         }
     }
 
-    /// The maps as they were drawn, and what they were drawn with. Waits for the device.
+    /// The maps as the command drew them, and what they were drawn with. Given maps cannot be copied. Waits for the device.
     fn saved(&self, gpu: &Gpu, origin: Origin) -> Result<DepthMapArrays, GpuError> {
         let mut depths = Vec::new();
         let mut size = [0; 2];
