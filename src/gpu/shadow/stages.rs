@@ -92,7 +92,7 @@ struct PartGroups {
 pub(crate) struct VolumeStages {
     /// The clears before the first stage. The extraction has no part in what they clear.
     pub(crate) clears: Vec<Step>,
-    /// The stages, for after the extraction. A dispatch has the batch of its lights.
+    /// The stages, for after the extraction.
     pub(crate) steps: Vec<Step>,
     /// For each group one for each batch of lights.
     parts: Vec<PartGroups>,
@@ -221,7 +221,7 @@ impl<'a> Binder<'a> {
 
     fn dispatch(&self, pipeline: &Pipeline, scope: Scope, [x, y]: [u32; 2]) -> Dispatch {
         let workgroups = Workgroups::Known([x.min(self.most), y]);
-        Dispatch { batch: scope.batch, ..pipeline.dispatch(self.device, workgroups, |name| self.get(name, scope)) }
+        pipeline.dispatch(self.device, workgroups, |name| self.get(name, scope))
     }
 
     /// The dispatches of a stage, with their workgroups.
