@@ -4,7 +4,7 @@ use glam::{DAffine3, DVec3};
 
 use super::asset::Asset;
 use super::camera::SceneCamera;
-use super::document::Part;
+use super::document::{Part, unit_vector};
 use super::error::GltfError;
 
 impl Asset {
@@ -33,8 +33,8 @@ impl Asset {
         let damaged = |source| GltfError::DamagedCamera { node: n, source };
         self.graph.check(&self.document, n).map_err(|fault| damaged(Box::new(fault)))?;
         let (name, &projection) = self.part_of(n, &self.document.cameras, camera).map_err(damaged)?;
-        let forward = -world.matrix3.z_axis.normalize();
-        let up = world.matrix3.y_axis.reject_from_normalized(forward).normalize();
+        let forward = -unit_vector(world.matrix3.z_axis);
+        let up = unit_vector(world.matrix3.y_axis).reject_from_normalized(forward).normalize();
         let [eye, forward, up] = [world.translation, forward, up].map(DVec3::as_vec3);
         if !(eye.is_finite() && forward.is_finite() && up.is_finite()) {
             return Err(GltfError::NotFinite { json_path: format!("nodes[{n}]"), time_s });

@@ -333,6 +333,12 @@ pub(super) fn unit(rotation: [f64; 4]) -> Option<DQuat> {
     normalized.is_finite().then_some(normalized)
 }
 
+/// A vector scaled to length 1. It is not finite if its length is zero or not finite.
+pub(super) fn unit_vector(vector: DVec3) -> DVec3 {
+    // Squares of a component may be more or less than a number holds.
+    (vector / vector.abs().max_element()).normalize()
+}
+
 /// A column-major matrix. Its last row must be (0, 0, 0, 1), except for rounding on export.
 pub(super) fn affine(columns: [f64; 16], json_path: impl Fn() -> String) -> Result<DAffine3, GltfError> {
     const TOLERANCE: f64 = 1e-5;

@@ -7,8 +7,8 @@ use crate::mesh::Weld;
 /// Options of [`Asset::open`](super::Asset::open), [`Asset::from_slice`](super::Asset::from_slice) and
 /// [`Asset::from_slices`](super::Asset::from_slices).
 ///
-/// A file beyond [`Self::memory_limit`] is refused by the counts that its JSON states, before its data is read. All
-/// allocations together, also those given back, may be eight times the limit, which bounds the time.
+/// A file beyond [`Self::memory_limit`] is refused: before its data is read if the counts in its JSON tell, else while it is
+/// read. All allocations together, also those given back, may be eight times the limit, which bounds the time.
 ///
 /// ```no_run
 /// use rimline::gltf::{Asset, LoadOptions};
@@ -19,16 +19,18 @@ use crate::mesh::Weld;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LoadOptions {
-    /// Which vertices are welded.
+    /// Which vertices are welded. Default: [`Weld::Data`].
     pub weld: Weld,
     /// The largest memory, in bytes, that the file may take at one time: the files read, their JSON and data, the
     /// asset, and one pose, the lights, the cameras and the mesh of all instances ([`Model::mesh`](crate::Model::mesh)).
     /// [`GltfError::TooLarge`](super::GltfError::TooLarge) refuses the asset before more is taken. A mesh of a million
-    /// faces and one instance counts about 0.1 GiB; the bytes given to [`Asset::from_slice`](super::Asset::from_slice)
-    /// and later data, such as a copy on the GPU, do not count. Default: [`LoadOptions::DEFAULT_MEMORY_LIMIT`].
+    /// faces and one instance counts about 0.1 GiB. The slice given to [`Asset::from_slice`](super::Asset::from_slice) or
+    /// [`Asset::from_slices`](super::Asset::from_slices) and later data, such as a copy on the GPU, do not count. Default:
+    /// [`LoadOptions::DEFAULT_MEMORY_LIMIT`].
     pub memory_limit: u64,
     /// Whether to read buffers outside the folder of the glTF, by `..`, an absolute path or a symbolic link. The author
-    /// of the glTF chooses these files. Default: no, which gives [`GltfError::Outside`](super::GltfError::Outside).
+    /// of the glTF chooses these files. Default: no. A buffer there that is used then gives
+    /// [`GltfError::Outside`](super::GltfError::Outside), any other a warning.
     /// [`Asset::from_slices`](super::Asset::from_slices) ignores it.
     pub allow_outside: bool,
 }
@@ -68,7 +70,7 @@ pub struct AnimationInfo {
 pub struct SkinInfo {
     /// The name, if it has one.
     pub name: Option<String>,
-    /// The number of joints. 0 if the skin is damaged.
+    /// The number of joints. 0 if the JSON of the skin is damaged; damaged matrices do not change it.
     pub joints: usize,
 }
 

@@ -6,7 +6,7 @@ use glam::{DAffine3, DQuat, DVec3};
 
 use super::animation::Channel;
 use super::asset::Asset;
-use super::document::{Frame, Named, Node, Part, Placement, Property, Trs};
+use super::document::{Frame, Named, Node, Part, Placement, Property, Trs, unit_vector};
 use super::error::GltfError;
 use super::info::{SceneLight, SceneLightKind, SpotCone};
 use crate::light::Light;
@@ -120,8 +120,9 @@ impl Asset {
     fn light(&self, n: usize, light: &Part<usize>, world: &DAffine3, time_s: f32) -> Result<SceneLight, GltfError> {
         let found = self.part_of(n, &self.document.lights, light);
         let (name, light) = found.map_err(|source| GltfError::DamagedLight { node: n, source })?;
+        let backwards = unit_vector(world.matrix3.z_axis);
         let (w, xyz) = match light.kind {
-            SceneLightKind::Directional => (0.0, world.matrix3.z_axis.normalize()),
+            SceneLightKind::Directional => (0.0, backwards),
             SceneLightKind::Point | SceneLightKind::Spot => (1.0, world.translation),
         };
         let [x, y, z] = xyz.as_vec3().to_array();
@@ -129,7 +130,7 @@ impl Asset {
             let json_path = format!("nodes[{n}]");
             return Err(GltfError::NotFinite { json_path, time_s });
         }
-        let direction = (-world.matrix3.z_axis.normalize()).as_vec3();
+        let direction = (-backwards).as_vec3();
         let spot = |[inner_angle, outer_angle]: [f32; 2]| {
             let direction = direction.to_array();
             SpotCone { direction, inner_angle, outer_angle }

@@ -15,6 +15,7 @@ pub(crate) fn tests() -> Vec<Trial> {
         test("cameras::names_are_those_of_nodes_too", names),
         test("cameras::of_hidden_nodes_are_there", hidden),
         test("cameras::without_a_direction", flat),
+        test("cameras::of_nodes_of_any_scale", scaled),
         test("cameras::faults", faults),
     ]
 }
@@ -82,6 +83,18 @@ fn flat() -> Outcome {
     maker.json["nodes"][1]["scale"] = json!([1, 1, 0]);
     let found = cameras(&maker, None)?;
     ensure(matches!(found[..], [Err(GltfError::NotFinite { .. })]), || format!("{found:?}"))
+}
+
+/// Squares of the scale are beyond what a number holds.
+fn scaled() -> Outcome {
+    for scale in [1e-200, 1e200] {
+        let mut maker = with_camera(GOOD);
+        maker.json["nodes"][1]["scale"] = json!([scale, scale, scale]);
+        let found = cameras(&maker, None)?;
+        let [Ok(camera)] = &found[..] else { return Err(format!("{scale:e}: {found:?}").into()) };
+        same(&(camera.forward, camera.up), &([0.0, 0.0, -1.0], [0.0, 1.0, 0.0]), &format!("directions, {scale:e}"))?;
+    }
+    Ok(())
 }
 
 /// A camera, and what its error says.

@@ -66,7 +66,7 @@ fn last_rows() -> Outcome {
 }
 
 /// A light on a node of this scale.
-fn light(light: &Value, scale: [f32; 3]) -> Result<SceneLight, Failed> {
+fn light(light: &Value, scale: [f64; 3]) -> Result<SceneLight, Failed> {
     let mut maker = Maker::new();
     maker.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [light] } });
     let extensions = json!({ "KHR_lights_punctual": { "light": 0 } });
@@ -104,6 +104,13 @@ fn lights() -> Outcome {
         let cone = light(&json!({ "type": "spot", "spot": spot }), [1.0, 1.0, 5.0])?.cone.ok_or("no cone")?;
         same(&[cone.inner_angle, cone.outer_angle], &angles, "angles of a cone")?;
         same(&cone.direction, &[0.0, 0.0, -1.0], "its direction, of a stretched node")?;
+    }
+    // Squares of the scale are beyond what a number holds.
+    for scale in [1e-200, 1e200] {
+        let cone = light(&json!({ "type": "spot" }), [scale; 3])?.cone;
+        same(&cone.map(|cone| cone.direction), &Some([0.0, 0.0, -1.0]), &format!("spot light, {scale:e}"))?;
+        let sun = light(&json!({ "type": "directional" }), [scale; 3])?.light;
+        same(&sun.to_array(), &[0.0, 0.0, 1.0, 0.0], &format!("directional light, {scale:e}"))?;
     }
     let none = [light(&json!({ "type": "point" }), [1.0; 3])?, light(&json!({ "type": "spot" }), [1.0, 1.0, 0.0])?];
     ensure(none.iter().all(|light| light.cone.is_none()), || format!("cones of a point and of a flat node: {none:?}"))

@@ -3,10 +3,10 @@
 // beside an edge or continue edges, it replaces `depth_cells_count`. After `depth_cube`, before `depth_cells`.
 // `depth_edges_mark`, an invocation for 16 × 4 samples, reads depths and objects, and writes `edges`, `faint_edges` and
 // `sample_bits`. `depth_edges_continue`, an invocation for a word of 16 samples, runs up to 64 times; two buffers of marks
-// alternate. It reads only the marks of the pass before, so the order of cells does not matter. `depth_edges_count`,
-// workgroups that loop over blocks of cells, reads marks and `sample_bits`. It writes `cell_words` (cell_words.wgsl) for the
-// later passes of `depth_cells`. A word of marks has 16 samples of a row: in bits 0 to 15 the edges to their right, in bits
-// 16 to 31 the edges below them. Marks are exact (docs/numerics/depth-maps.md, "Exact decisions").
+// alternate. It reads `faint_edges` and the marks of the pass before, so the order of cells does not matter.
+// `depth_edges_count`, workgroups that loop over blocks of cells, reads marks and `sample_bits`. It writes `cell_words`
+// (cell_words.wgsl) for the later passes of `depth_cells`. A word of marks has 16 samples of a row: in bits 0 to 15 the
+// edges to their right, in bits 16 to 31 those below. Marks are exact (docs/numerics/depth-maps.md, "Exact decisions").
 
 #import depth_map/cell_words
 #import depth_map/edge_rule

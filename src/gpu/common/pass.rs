@@ -30,8 +30,6 @@ pub(crate) struct Dispatch {
     /// The dynamic offsets of the group's uniforms.
     pub(crate) offsets: Vec<u32>,
     pub(crate) workgroups: Workgroups,
-    /// The batch of 32 lights by which `record` selects. Only stages of shadows set it; all others are of batch 0.
-    pub(crate) batch: usize,
 }
 
 /// A step of a recording.
@@ -52,22 +50,20 @@ impl Step {
     }
 }
 
-/// Records all clears and copies, and the dispatches whose batch is one of these. With a timer, each pass has a separate
-/// compute pass. If not, passes that follow each other share one, which costs less.
+/// Records all steps. With a timer, each pass has a separate compute pass. If not, passes that follow each other share one,
+/// which costs less.
 pub(crate) fn record<'s>(
     steps: impl IntoIterator<Item = &'s Step>,
     encoder: &mut wgpu::CommandEncoder,
-    batches: Range<usize>,
     timer: Option<&mut StageTimer>,
 ) {
-    record_with(steps, encoder, batches, timer, None);
+    record_with(steps, encoder, timer, None);
 }
 
 /// The same with a second bind group at an index.
 pub(crate) fn record_with<'s>(
     steps: impl IntoIterator<Item = &'s Step>,
     encoder: &mut wgpu::CommandEncoder,
-    batches: Range<usize>,
     mut timer: Option<&mut StageTimer>,
     further: Option<(u32, &wgpu::BindGroup)>,
 ) {
@@ -83,7 +79,7 @@ pub(crate) fn record_with<'s>(
                 if let Some((index, group)) = further {
                     pass.set_bind_group(index, group, &[]);
                 }
-                dispatch(&mut pass, dispatches.iter().filter(|dispatch| batches.contains(&dispatch.batch)));
+                dispatch(&mut pass, dispatches);
                 shared = Some(pass).filter(|_| timer.is_none());
             }
             Step::Clear(buffer, range) => {
@@ -98,9 +94,9 @@ pub(crate) fn record_with<'s>(
     }
 }
 
-fn dispatch<'s>(pass: &mut wgpu::ComputePass<'_>, dispatches: impl Iterator<Item = &'s Dispatch>) {
+fn dispatch(pass: &mut wgpu::ComputePass<'_>, dispatches: &[Dispatch]) {
     let mut set = None;
-    for Dispatch { pipeline, group, offsets, workgroups, .. } in dispatches {
+    for Dispatch { pipeline, group, offsets, workgroups } in dispatches {
         if set != Some(pipeline) {
             pass.set_pipeline(pipeline);
             set = Some(pipeline);

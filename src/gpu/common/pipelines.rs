@@ -310,7 +310,7 @@ impl Pipeline {
         }
         let (label, layout) = (Some(self.label), &self.layout);
         let group = device.create_bind_group(&wgpu::BindGroupDescriptor { label, layout, entries: &entries });
-        Dispatch { pipeline: self.compute.clone(), group, offsets, workgroups, batch: 0 }
+        Dispatch { pipeline: self.compute.clone(), group, offsets, workgroups }
     }
 
     /// A pass of the stage's dispatches.

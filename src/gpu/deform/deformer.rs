@@ -292,7 +292,7 @@ impl Deformer {
         }
         let tried = any_error(&self.device, || {
             let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            record_with([&self.pass], &mut encoder, 0..1, None, Some((DISPLACE_GROUP, group)));
+            record_with([&self.pass], &mut encoder, None, Some((DISPLACE_GROUP, group)));
             drop(encoder.finish());
         });
         tried.map_err(|message| {
@@ -337,7 +337,7 @@ impl Deformer {
             // The same commands write what the positions are, so an encoder that is dropped changes both or neither.
             encoder.copy_buffer_to_buffer(pose, 4 * self.data.before + bytes, held, 0, bytes);
         }
-        record_with([&self.pass], encoder, 0..1, timer, resources.map(|group| (DISPLACE_GROUP, group)));
+        record_with([&self.pass], encoder, timer, resources.map(|group| (DISPLACE_GROUP, group)));
     }
 
     /// The words of an instance's pose among those of all.

@@ -107,7 +107,7 @@ impl DepthMapVolumes {
             (steps, draws, near_cap)
         };
         let (steps, groups, near_cap) = guard(device, bind)?;
-        record(&steps, encoder, 0..1, timer);
+        record(&steps, encoder, timer);
         Ok(DepthMapFrame {
             device: device.clone(),
             groups,

@@ -177,7 +177,7 @@ impl DepthMapTexture {
             })
         };
         let dispatch = guard(device, bind)?;
-        record([&stage.pass([dispatch])], encoder, 0..1, timer);
+        record([&stage.pass([dispatch])], encoder, timer);
         Ok(())
     }
 }

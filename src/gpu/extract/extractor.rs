@@ -145,7 +145,7 @@ impl Extractor {
         let from_positions = self.from_positions.iter().flat_map(|(_, batches)| batches);
         let of_batches = from_positions.zip(&self.from_facing).take(light::batches(lights.len()));
         let of_batches = of_batches.flat_map(|(first, then)| first.iter().chain(then));
-        record(self.before.iter().chain(of_batches).chain(&self.at_last), encoder, 0..1, timer);
+        record(self.before.iter().chain(of_batches).chain(&self.at_last), encoder, timer);
         // The buffers are overwritten from here on, so earlier extractions are out of date.
         let encode = self.shared.encodes.fetch_add(1, Ordering::Relaxed) + 1;
         Ok(Extraction::new(Arc::clone(&self.shared), slice, lights, encode))

@@ -230,7 +230,7 @@ impl ShadowQuery {
         let stages = self.stages(points.on_face.is_some(), work.bound.windows.words);
         let over_boxes = self.box_dispatches(&stages.boxes, &work, &tables);
         let pairs = self.pair_dispatches(&stages, &work, &tables);
-        record([&stages.boxes.pass(over_boxes), &stages.depth.pass(pairs)], encoder, 0..1, timer);
+        record([&stages.boxes.pass(over_boxes), &stages.depth.pass(pairs)], encoder, timer);
         Ok(())
     }
 

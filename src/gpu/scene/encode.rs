@@ -63,12 +63,11 @@ impl Scene {
             encoder.copy_buffer_to_buffer(&words, 0, &structure.buffers.work, to, bytes);
         }
         // All clears come first, because each one between stages ends a compute pass.
-        let batches = structure.buffers.batches;
-        let stages = volumes.as_ref().filter(|_| batches > 0).map(|volumes| &volumes.stages);
+        let stages = volumes.as_ref().filter(|_| structure.buffers.batches > 0).map(|volumes| &volumes.stages);
         let clears = stages.into_iter().flat_map(|stages| &stages.clears);
         let volume_steps = stages.into_iter().flat_map(|stages| &stages.steps);
         let steps = clears.chain(&self.steps).chain(&receiver_steps).chain(volume_steps);
-        record(steps, encoder, 0..batches.max(1), timer);
+        record(steps, encoder, timer);
         Ok(self.finish(structure, volumes, views))
     }
 

@@ -72,7 +72,7 @@ impl Scene {
         needs: &Needs,
         mut timer: Option<&mut StageTimer>,
     ) -> wgpu::Buffer {
-        record([&needs.step], encoder, 0..1, timer.as_deref_mut());
+        record([&needs.step], encoder, timer.as_deref_mut());
         let mut from = 0;
         for model in self.models.values() {
             let states = Some((&needs.states, from));

@@ -92,7 +92,7 @@ struct PartGroups {
 pub(crate) struct VolumeStages {
     /// The clears before the first stage. The extraction has no part in what they clear.
     pub(crate) clears: Vec<Step>,
-    /// The stages, for after the extraction. A dispatch has the batch of its lights.
+    /// The stages, for after the extraction.
     pub(crate) steps: Vec<Step>,
     /// For each group one for each batch of lights.
     parts: Vec<PartGroups>,
@@ -108,7 +108,8 @@ impl VolumeStages {
         Self { clears: buffers.clears(), steps, parts: binder.draws() }
     }
 
-    /// Draws the shadow volumes of a light in a view, for a batch of casters. Which parts there are is in the arguments.
+    /// Draws the shadow volumes of a light in a view, for a batch of casters: all parts that a group may have. The arguments
+    /// say how many instances each has.
     pub(crate) fn draw(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
@@ -221,7 +222,7 @@ impl<'a> Binder<'a> {
 
     fn dispatch(&self, pipeline: &Pipeline, scope: Scope, [x, y]: [u32; 2]) -> Dispatch {
         let workgroups = Workgroups::Known([x.min(self.most), y]);
-        Dispatch { batch: scope.batch, ..pipeline.dispatch(self.device, workgroups, |name| self.get(name, scope)) }
+        pipeline.dispatch(self.device, workgroups, |name| self.get(name, scope))
     }
 
     /// The dispatches of a stage, with their workgroups.
@@ -232,7 +233,8 @@ impl<'a> Binder<'a> {
             Over::Boxes => {
                 let has_boxes = |group: usize| self.source.has_boxes.get(group).is_some_and(|has_boxes| *has_boxes);
                 let unknown = self.sizes.groups().enumerate().filter(|(group, _)| !has_boxes(*group));
-                // An invocation takes some 64 faces. So there are few atomics, and all cores have work.
+                // An invocation takes a chunk, of more than four million faces several. So there are few atomics, and all
+                // cores have work.
                 let workgroups = |part: &PartSizes| {
                     let chunks = part.shape.faces.div_ceil(CHUNK);
                     [chunks.div_ceil(64).clamp(1, 1024).max(chunks.div_ceil(64 * BOUND_CHUNKS)), 1]
@@ -267,21 +269,11 @@ impl<'a> Binder<'a> {
     /// The workgroups of a stage for a group, batch and view.
     fn workgroups_of(&self, over: Over, &PartSizes { shape, lights }: &PartSizes) -> [u32; 2] {
         let is_cpu = is_software(self.device);
-        // All edges take few turns.
-        let fewest = shape.edges.div_ceil(64 * LISTED_ITEMS);
         match over {
             Over::Faces => [loops(self.device, shape.faces.div_ceil(CHUNK) * LANES), 1],
-            Over::Edges => [fewest.max(1), lights],
-            Over::Sides => {
-                // An invocation takes some sixteen sides of a list that is full.
-                let most = if is_cpu { 64_u32.div_ceil(lights).max(4) } else { 256 };
-                [shape.capacity.div_ceil(16 * 64).clamp(1, most).max(fewest), lights]
-            }
-            Over::Pieces => {
-                // An invocation takes few pieces of many.
-                let fewest = shape.piece_capacity.div_ceil(64 * LISTED_ITEMS);
-                [if is_cpu { 4 } else { 64 }.max(fewest), lights]
-            }
+            Over::Edges => [fewest(shape.edges).max(1), lights],
+            Over::Sides => [workgroups_of_sides(&shape, lights, is_cpu), lights],
+            Over::Pieces => [if is_cpu { 4 } else { 64 }.max(fewest(shape.piece_capacity)), lights],
             _ => [1, 1],
         }
     }
@@ -301,7 +293,7 @@ impl<'a> Binder<'a> {
         (0..self.sizes.parts.len()).filter_map(copy).collect()
     }
 
-    /// The stages, with a copy of the choices to the table before the lists are made.
+    /// The stages. Before `list_sides` the choices are complete, and are copied to the table.
     fn steps(&self) -> Vec<Step> {
         let mut steps = Vec::new();
         let VolumeSizes { parts, options, .. } = self.sizes;
@@ -359,5 +351,36 @@ impl<'a> Binder<'a> {
             }
         };
         (0..self.sizes.parts.len()).map(of_part).collect()
+    }
+}
+
+/// The fewest workgroups of 64 invocations that take no more than [`LISTED_ITEMS`] each.
+fn fewest(items: u32) -> u32 {
+    items.div_ceil(64 * LISTED_ITEMS)
+}
+
+/// The workgroups that share the silhouettes or sides of a light, or all edges. A side of weight 2 is listed twice, so
+/// there may be more sides than edges.
+fn workgroups_of_sides(shape: &ShadowShape, lights: u32, is_cpu: bool) -> u32 {
+    // An invocation takes some sixteen silhouettes of a full list, or more of a long one.
+    let most = if is_cpu { 64_u32.div_ceil(lights).max(4) } else { 256 };
+    shape.capacity.div_ceil(16 * 64).clamp(1, most).max(fewest(shape.edges.max(shape.side_capacity)))
+}
+
+#[cfg(test)]
+mod tests {
+    use bytemuck::Zeroable;
+
+    use super::*;
+
+    /// Every edge has a side of weight 2.
+    #[test]
+    fn invocations_take_no_more_sides_than_loops_have_turns() {
+        let edges = 1 << 23;
+        let shape = ShadowShape { edges, capacity: edges, side_capacity: 2 * edges, ..ShadowShape::zeroed() };
+        for is_cpu in [false, true] {
+            let workgroups = workgroups_of_sides(&shape, 32, is_cpu);
+            assert!(64 * LISTED_ITEMS * workgroups >= 2 * edges, "{workgroups}");
+        }
     }
 }
