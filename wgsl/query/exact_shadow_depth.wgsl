@@ -155,7 +155,7 @@ fn exact_shadow_depth_recount(
     workgroupBarrier();
   }
   let range_groups = (range.end - range.first + CLUSTER - 1u) / CLUSTER;
-  let item = group.y * groups.x + group.x;
+  let item = (group.z * groups.y + group.y) * groups.x + group.x;
   if (item / range_groups >= undecided_pairs.recounts) {
     return;
   }
@@ -184,7 +184,7 @@ fn exact_shadow_depth_recount(
 
 @group(0) @binding(2) var<storage, read_write> dispatch: array<u32, 3>;
 
-// The largest number of workgroups of a dispatch along x or y.
+// The largest number of workgroups of a dispatch along an axis. A device without a limit has 2^32 - 1.
 override MOST_WORKGROUPS: u32 = 65535u;
 
 @compute @workgroup_size(1)
@@ -192,7 +192,9 @@ fn depth_arguments() {
   let recounts = atomicExchange(&undecided_pairs.listed, 0u);
   undecided_pairs.recounts = recounts;
   let groups = recounts * ((range.end - range.first + CLUSTER - 1u) / CLUSTER);
+  // Rounded up without a sum that could wrap. Few devices allow so few that z is not 1.
+  let rows = groups / MOST_WORKGROUPS + min(groups % MOST_WORKGROUPS, 1u);
   dispatch[0] = min(groups, MOST_WORKGROUPS);
-  dispatch[1] = (groups + MOST_WORKGROUPS - 1u) / MOST_WORKGROUPS;
-  dispatch[2] = 1u;
+  dispatch[1] = min(rows, MOST_WORKGROUPS);
+  dispatch[2] = rows / MOST_WORKGROUPS + min(rows % MOST_WORKGROUPS, 1u);
 }
