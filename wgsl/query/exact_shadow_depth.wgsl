@@ -1,5 +1,5 @@
 // Stage `exact_shadow_depth`: decides the faces that `shadow_depth` left undecided, and adds them to the occluder
-// counts (`depths`) that the caller reads. Three stages after `shadow_depth`, in this order, for each range of faces.
+// counts (`depths`) that the caller reads. Three stages, in this order, after each dispatch of `shadow_depth`.
 // `exact_shadow_depth`: an invocation a pair of point and light, for its up to three stored faces. `depth_arguments`:
 // writes the dispatch of the next stage. `exact_shadow_depth_recount`: a workgroup a listed pair (one with more) and a
 // group of 1,024 faces. It decides all of them, since `shadow_depth` counted nothing of the range for the pair. Fixed
@@ -78,7 +78,7 @@ fn is_between(segment: Segment, index: u32) -> bool {
 var<workgroup> odd_polygons: array<atomic<u32>, CLUSTER>;
 
 // The change of the count for a face that lies between, in the group that begins with cluster `first`: 1, or -1 after an odd
-// number of triangles of the same polygon. The sum is the parity, in any order of invocations.
+// number of triangles of the same polygon. The sum makes the count the parity, in any order of invocations.
 fn count_change_in_group(pair: u32, index: u32, first: u32) -> i32 {
   if (!POLYGONS) {
     return 1;
