@@ -4,7 +4,9 @@
 use std::collections::{HashMap, HashSet};
 
 use rimline::gpu::depth_map::DepthMapOptions;
+use rimline::internals::stages::CONTOUR_TILES;
 use rimline_testkit::device::Gpu;
+use rimline_testkit::dispatch::{Dispatch, uniform};
 use rimline_testkit::goldens::golden;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::limited;
@@ -23,6 +25,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("lists_of_walls_are_the_goldens", lists),
     ("contours_through_every_cell_are_the_goldens", long),
     ("lists_of_walls_of_few_workgroups_are_those_of_many", few_workgroups),
+    ("workgroups_for_contours_on_a_device_without_a_limit", workgroups),
     ("tiles_have_at_most_as_many_walls_as_turns_count", most_walls),
     ("steep_surfaces_end_before_those_behind", before_those_behind),
     ("walls_that_overflow_are_those_of_every_cell", overflow),
@@ -270,6 +273,23 @@ fn few_workgroups() -> Result<(), String> {
         same(&format!("walls with {most} workgroups across"), &found, &expected)?;
     }
     if expected.len() > 500 { Ok(()) } else { Err(format!("{} walls", expected.len())) }
+}
+
+/// Workgroups for 48 tiles that a contour crosses, where a dispatch has few, and where the limit is the largest number.
+fn workgroups() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let tiles = 48;
+    let shape = uniform(gpu, &[tiles, tiles, 3_u32, 0, 0, 0, 0, 0, 0, 0, 0, 0]);
+    for (most, right) in [(5, [3, 1, 1, 5, 5, 1]), (u32::MAX, [3, 1, 1, 24, 1, 1])] {
+        // The tiles, and room for counts and list.
+        let counts = gpu.storage(&[1_u32; 48 * 66 + 1]);
+        let found = gpu.storage(&[0_u32; 6]);
+        let source = CONTOUR_TILES.wgsl().replace(" = 65535u;", &format!(" = {most}u;"));
+        let stage = Dispatch::new(gpu, &source, "contour_tiles_list");
+        stage.run_bound(gpu, &[&[(5, &counts), (6, &shape), (10, &found)]], 1)?;
+        same(&format!("{most} workgroups"), &gpu.read::<u32>(&found, 6)?, &right)?;
+    }
+    Ok(())
 }
 
 /// Loops over the walls of a tile have as many turns. Here every edge is marked, and no two segments are joined.

@@ -263,19 +263,48 @@ fn hostile_clouds_weld_in_time() {
             }
         })
         .collect();
+    // All pairs of a point of the centre and one of the circle are less than 2⁻⁴⁶ more than the distance apart.
+    let square = |c: f32| f64::from(c).powi(2);
+    let centre: Vec<[f32; 3]> = (0..count as u32)
+        .map(|v| {
+            if v % 2 == 0 {
+                return [v % 128, v / 128 % 128, v / 16_384].map(f32::from_bits);
+            }
+            let x = random.between(0.83, 0.99);
+            let y = (1.0 - square(x)).sqrt() as f32;
+            let y = if square(x) + square(y) < 1.0 { y } else { y.next_down() };
+            let rest = 1.0 - square(x) - square(y);
+            let z = rest.sqrt() as f32;
+            [x, y, if square(z) > rest { z } else { z.next_up() }]
+        })
+        .collect();
+    // Black fields of a board, and white ones at the distance from it.
+    let board: Vec<[f32; 3]> = (0..40_000_u32)
+        .map(|v| {
+            let [y, z] = [v % 200, v / 200];
+            let step = 2.0_f32.powi(-30);
+            [((y + z) % 2) as f32, y as f32 * step, z as f32 * step]
+        })
+        .collect();
     let same = vec![[1.0, 2.0, 3.0]; count];
     let line: Vec<[f32; 3]> = (0..count).map(|v| [v as f32, 0.0, 0.0]).collect();
     for (name, cloud, distance, most) in [
         ("sheets", sheets(count), 1.0, 2),
         ("a ball in a sphere", ball, 1.0, count),
         ("a circle about a line", circle, 1.0, count),
+        ("a circle about its centre", centre, 1.0, 2),
+        ("a board", board, 1.0, 2),
         ("one position", same, 1e-3, 1),
         ("a chain of ties", line.clone(), 1.0, 1),
         ("a chain just apart", line, 1.0_f32.next_down(), count),
     ] {
         let (groups, _) = groups(&cloud, distance);
         let kept = groups.iter().enumerate().filter(|&(v, &group)| v == group as usize).count();
-        let least = if name == "a chain just apart" { count } else { 1 };
+        let least = match name {
+            "a chain just apart" => count,
+            "a circle about its centre" | "a board" => 2,
+            _ => 1,
+        };
         assert!((least..=most).contains(&kept), "{name}: {kept} groups");
     }
 }

@@ -3,10 +3,12 @@
 
 use rimline::gpu::{DeviceError, Extractor, ExtractorError, ExtractorOptions, MAX_BOUNDARY_EDGES};
 use rimline::internals::cpu::{self, Threads};
+use rimline::internals::stages::POLYGON_TURNS;
 use rimline::mesh::Weld;
 use rimline::{Light, Mesh};
 
 use rimline_testkit::device::Gpu;
+use rimline_testkit::dispatch::Dispatch;
 use rimline_testkit::harness::Test;
 use rimline_testkit::on_gpu::{extract, extract_with, limited, text};
 use rimline_testkit::polygons::{PolygonSet, quad_box};
@@ -20,6 +22,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("boundaries_of_most_edges_and_triangles", largest),
     ("polygons_of_more_triangles_are_refused", too_many_triangles),
     ("more_polygons_than_a_row_of_workgroups_takes", several_rows),
+    ("rows_of_entries_on_a_device_without_a_limit", rows),
 ];
 
 /// The most triangles of a polygon, as `ExtractorError::PolygonTooLarge` says it.
@@ -132,4 +135,18 @@ fn several_rows() -> Result<(), String> {
     let error = DeviceError::Limit { subject, limit, needed: 258, there: 257 };
     let made = Extractor::new(&limited(1 << 27, 1 << 28, 257)?.pipelines, &mesh, options);
     refused([refusal("fewer workgroups", made, is(ExtractorError::Device(error)))])
+}
+
+/// The rows of workgroups for seven entries, where a row takes four, and on a device whose limit is the largest number.
+fn rows() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let probe = "@compute @workgroup_size(1) fn probe() { _ = reserve_entries(WORKGROUPS, 7u); }";
+    let source = POLYGON_TURNS.composed_for(probe)?.wgsl + probe;
+    for (most, right) in [(4, [4, 2, 0, 7]), (u32::MAX, [7, 1, 0, 7])] {
+        let undecided = gpu.storage(&[0_u32; 16]);
+        let stage = Dispatch::new(gpu, &source.replace(" = 65535u;", &format!(" = {most}u;")), "probe");
+        stage.run_bound(gpu, &[&[(7, &undecided)]], 1)?;
+        same(&format!("{most} a row"), &gpu.read::<u32>(&undecided, 8)?[4..], &right)?;
+    }
+    Ok(())
 }

@@ -8,7 +8,7 @@ use rimline::gpu::{
 };
 use rimline::internals::cpu::{self, Threads};
 use rimline::internals::layout::{FaceCluster, FaceRange, LightBatch, PointChunk};
-use rimline::internals::stages::EXACT_SHADOW_DEPTH;
+use rimline::internals::stages::{DEPTH_ARGUMENTS, EXACT_SHADOW_DEPTH};
 use rimline::mesh::NO_FACE;
 use rimline::{Light, LightError, Mesh};
 use rimline_testkit::shapes::{self, Shape};
@@ -31,6 +31,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("shadow_depth_refuses_with_typed_errors", refusing),
     ("shadow_depth_of_an_extraction", extractions),
     ("exact_shadow_depth_counts_anew_within_its_range", recount),
+    ("depth_arguments_keep_the_limit_of_a_device_and_reach_all", arguments),
     ("shadow_depth_finds_faces_of_subnormal_extent", subnormal),
     ("shadow_depth_of_as_many_faces_as_a_dispatch_takes", many_faces),
 ];
@@ -186,7 +187,19 @@ fn small_limits() -> Result<(), String> {
         let depths = found_on(binding, workgroups, &case, Some(&on_face), packing)?;
         same(&format!("{binding} bytes, {workgroups} workgroups"), &depths, &right)?;
     }
-    Ok(())
+    // A dispatch whose 2,048 pairs are all counted anew, more than 32 × 32: every line crosses an edge of each face.
+    let corners = |height: f32| [[0.0, height, -100.0], [0.0, height, 100.0], [100.0, height, 0.0]];
+    let edges = ShadowCase {
+        name: "edges".to_owned(),
+        shape: Shape {
+            positions: (1..9_u8).flat_map(|height| corners(height.into())).collect(),
+            faces: (0..8).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect(),
+        },
+        points: (0..64_u8).map(|at| [0.0, 0.0, f32::from(at) / 8.0]).collect(),
+        lights: (0..32_u8).map(|at| Light::directional([0.0, 1.0, f32::from(at) / 64.0])).collect(),
+    };
+    same("edges on the CPU", &expected(&edges, None)?, &[8; 2048])?;
+    same("edges", &found_on(64 << 10, 32, &edges, None, TIGHT)?, &[8; 2048])
 }
 
 fn boxes() -> Result<(), String> {
@@ -367,6 +380,30 @@ fn recount() -> Result<(), String> {
         stage.run_bound(gpu, &[&buffers], 4)?;
         let found: Vec<i32> = gpu.read(&depths, 1)?;
         same(&format!("clusters {first} to {end}"), &found, &[32 * (end - first) as i32])?;
+    }
+    Ok(())
+}
+
+/// A workgroup for each listed pair and each of three groups, in rows and layers where the device allows few. Its limit
+/// may be the largest number, as that of MoltenVK is.
+fn arguments() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let range = uniform(gpu, &FaceRange { first: 32, end: 127, is_first: 0, before: 0 });
+    for (most, listed, right) in [
+        (u32::MAX, 0, [0, 0, 0]),
+        (u32::MAX, 1, [3, 1, 1]),
+        (65535, 21_845, [65535, 1, 1]),
+        (65535, 21_846, [65535, 2, 1]),
+        (32, 341, [32, 32, 1]),
+        (32, 342, [32, 32, 2]),
+    ] {
+        let source = DEPTH_ARGUMENTS.wgsl().replace(" = 65535u;", &format!(" = {most}u;"));
+        let (dispatch, pairs) = (gpu.storage(&[9_u32; 3]), gpu.storage(&[listed, 7_u32, 0, 0, 0, 0, 0]));
+        let stage = Dispatch::new(gpu, &source, "depth_arguments");
+        stage.run_bound(gpu, &[&[(2, &dispatch), (6, &range), (10, &pairs)]], 1)?;
+        let what = format!("{listed} pairs, {most} workgroups");
+        same(&what, &gpu.read::<u32>(&dispatch, 3)?, &right)?;
+        same(&what, &gpu.read::<u32>(&pairs, 2)?, &[0, listed])?;
     }
     Ok(())
 }

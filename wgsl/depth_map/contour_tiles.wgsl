@@ -94,7 +94,8 @@ fn contour_tiles_list(@builtin(local_invocation_index) lane: u32) {
     for (var dispatch = 0u; dispatch < 2u; dispatch++) {
       let tiles_per_workgroup = select(TILES_PER_CROSSINGS_WORKGROUP, TILES_PER_WALLS_WORKGROUP, dispatch == 1u);
       let count = (index + tiles_per_workgroup - 1u) / tiles_per_workgroup;
-      let down = min((count + MAX_WORKGROUPS - 1u) / MAX_WORKGROUPS, MAX_WORKGROUPS);
+      // Rounded up without a sum that could wrap: a device without a limit has 2^32 - 1.
+      let down = min(count / MAX_WORKGROUPS + min(count % MAX_WORKGROUPS, 1u), MAX_WORKGROUPS);
       workgroups[3u * dispatch] = min(count, MAX_WORKGROUPS);
       workgroups[3u * dispatch + 1u] = down;
       workgroups[3u * dispatch + 2u] = 1u;

@@ -115,7 +115,8 @@ fn reserve_entries(workgroups_word: u32, entries: u32) -> u32 {
   let first = atomicAdd(&undecided[workgroups_word + COUNT_WORD], entries);
   let end = first + entries;
   atomicMax(&undecided[workgroups_word], min(end, ENTRY_ROW));
-  atomicMax(&undecided[workgroups_word + 1u], (end + ENTRY_ROW - 1u) / ENTRY_ROW);
+  // Rounded up without a sum that could wrap: a device without a limit has 2^32 - 1.
+  atomicMax(&undecided[workgroups_word + 1u], end / ENTRY_ROW + min(end % ENTRY_ROW, 1u));
   return first;
 }
 

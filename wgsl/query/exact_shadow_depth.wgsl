@@ -1,5 +1,5 @@
 // Stage `exact_shadow_depth`: decides the faces that `shadow_depth` left undecided, and adds them to the occluder
-// counts (`depths`) that the caller reads. Three stages after `shadow_depth`, in this order, for each range of faces.
+// counts (`depths`) that the caller reads. Three stages, in this order, after each dispatch of `shadow_depth`.
 // `exact_shadow_depth`: an invocation a pair of point and light, for its up to three stored faces. `depth_arguments`:
 // writes the dispatch of the next stage. `exact_shadow_depth_recount`: a workgroup a listed pair (one with more) and a
 // group of 1,024 faces. It decides all of them, since `shadow_depth` counted nothing of the range for the pair. Fixed
@@ -78,7 +78,7 @@ fn is_between(segment: Segment, index: u32) -> bool {
 var<workgroup> odd_polygons: array<atomic<u32>, CLUSTER>;
 
 // The change of the count for a face that lies between, in the group that begins with cluster `first`: 1, or -1 after an odd
-// number of triangles of the same polygon. The sum is the parity, in any order of invocations.
+// number of triangles of the same polygon. The sum makes the count the parity, in any order of invocations.
 fn count_change_in_group(pair: u32, index: u32, first: u32) -> i32 {
   if (!POLYGONS) {
     return 1;
@@ -155,7 +155,7 @@ fn exact_shadow_depth_recount(
     workgroupBarrier();
   }
   let range_groups = (range.end - range.first + CLUSTER - 1u) / CLUSTER;
-  let item = group.y * groups.x + group.x;
+  let item = (group.z * groups.y + group.y) * groups.x + group.x;
   if (item / range_groups >= undecided_pairs.recounts) {
     return;
   }
@@ -184,7 +184,7 @@ fn exact_shadow_depth_recount(
 
 @group(0) @binding(2) var<storage, read_write> dispatch: array<u32, 3>;
 
-// The largest number of workgroups of a dispatch along x or y.
+// The largest number of workgroups of a dispatch along an axis. A device without a limit has 2^32 - 1.
 override MOST_WORKGROUPS: u32 = 65535u;
 
 @compute @workgroup_size(1)
@@ -192,7 +192,9 @@ fn depth_arguments() {
   let recounts = atomicExchange(&undecided_pairs.listed, 0u);
   undecided_pairs.recounts = recounts;
   let groups = recounts * ((range.end - range.first + CLUSTER - 1u) / CLUSTER);
+  // Rounded up without a sum that could wrap. Few devices allow so few that z is not 1.
+  let rows = groups / MOST_WORKGROUPS + min(groups % MOST_WORKGROUPS, 1u);
   dispatch[0] = min(groups, MOST_WORKGROUPS);
-  dispatch[1] = (groups + MOST_WORKGROUPS - 1u) / MOST_WORKGROUPS;
-  dispatch[2] = 1u;
+  dispatch[1] = min(rows, MOST_WORKGROUPS);
+  dispatch[2] = rows / MOST_WORKGROUPS + min(rows % MOST_WORKGROUPS, 1u);
 }

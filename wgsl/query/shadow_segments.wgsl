@@ -17,7 +17,7 @@
 @group(0) @binding(9) var<storage, read_write> depths: array<atomic<i32>>;
 @group(0) @binding(10) var<storage, read_write> undecided_pairs: UndecidedPairs;
 
-// Whether to cull groups and clusters whose box the segment misses. It changes no count.
+// Whether to cull groups and clusters whose box the segment misses. Empty boxes are always culled. It changes no count.
 override SKIP: bool = true;
 
 // Whether points name the face that they are on.

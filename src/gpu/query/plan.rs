@@ -75,7 +75,8 @@ pub(super) fn point_chunks(
 /// The number of clusters that a dispatch of `queries` goes over, a multiple of a group.
 pub(super) fn range_clusters(split: &DispatchLimits, work: u64, queries: u64) -> usize {
     let groups = work / (queries.max(1) * (GROUP * CLUSTER) as u64);
-    // The recount may take a workgroup for each pair and group.
+    // The recount may take a workgroup for each pair and group, in rows along x and y. Below 64 workgroups an axis, pairs of a
+    // single group may need layers along z.
     let dispatched = split.workgroups * split.workgroups / queries.max(1);
     groups.min(dispatched).clamp(1, MOST_GROUPS) as usize * GROUP
 }

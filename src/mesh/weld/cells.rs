@@ -12,7 +12,8 @@ use super::{Keys, bits, groups, same_bits};
 
 /// Result of welding by distance.
 pub(crate) struct NearGroups {
-    /// For each vertex the vertex that its group takes: the one at the lexicographically smallest position.
+    /// For each vertex the vertex that its group takes: the first one by [`compare`], or the lowest of equal vertices that
+    /// are not finite.
     pub(crate) groups: Vec<u32>,
     /// Groups whose box has a diagonal of more than [`WIDE`] times the distance.
     pub(crate) wide: usize,
@@ -22,7 +23,7 @@ pub(crate) struct NearGroups {
 pub(crate) const WIDE: u32 = 10;
 
 /// The groups of vertices of one class each. `class` is the same for vertices that may be joined. Vertices that are not
-/// finite are joined if all their bits are the same.
+/// finite are joined if all their bits are the same, where −0 equals +0.
 pub(crate) fn near_groups(positions: &[[f32; 3]], distance: WeldDistance, class: impl Fn(usize) -> u32) -> NearGroups {
     let is_finite = |v: &usize| positions[*v].iter().all(|c| c.is_finite());
     let finite = (0..positions.len()).filter(is_finite);
@@ -109,7 +110,8 @@ fn cell([x, y, z]: [f32; 3], distance: WeldDistance) -> [i64; 3] {
         if coordinate == 0.0 {
             return 0;
         }
-        // Neighbouring floats are farther apart than the distance here, so that each has its own cell.
+        // Neighbouring floats are farther apart than the distance here, so each has its own cell, four from the next: no
+        // other is compared with it.
         let index = (1_i64 << 41) + 4 * i64::from(coordinate.to_bits() & !(1 << 31));
         if coordinate < 0.0 { -index } else { index }
     })
@@ -120,7 +122,7 @@ struct Cell {
     class: u32,
     index: [i64; 3],
     entries: Range<usize>,
-    /// Its positions, each once, in [`Cells::points`].
+    /// Its positions, each once, in [`Cells::points`]. A tree of the cell orders them anew.
     points: Range<usize>,
 }
 
@@ -158,7 +160,7 @@ impl Cells {
     }
 
     /// Joins cells that are at most `radius` cells apart and have a pair of vertices near each other. It walks over the
-    /// rows of cells beside each cell, all at once, so it takes a few steps a cell.
+    /// rows of cells beside each cell, all at once, so a cell takes at most 13 rows of 5 cells.
     fn join(&mut self, radius: i64, distance: WeldDistance) {
         let beside = (0..=radius).flat_map(|z| (-radius..=radius).map(move |y| [z, y]));
         let mut rows: Vec<([i64; 2], usize)> = beside.filter(|&row| row >= [0, 0]).map(|row| (row, 0)).collect();
@@ -187,7 +189,7 @@ impl Cells {
             return;
         }
         let of = |at: usize| self.cells[at].points.clone();
-        let is_joined = if of(a).len() * of(b).len() <= FEW_PAIRS {
+        let is_joined = if of(a).len().saturating_mul(of(b).len()) <= FEW_PAIRS {
             any_near(&self.points[of(a)], &self.points[of(b)], distance)
         } else {
             for at in [a, b] {

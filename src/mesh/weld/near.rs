@@ -71,10 +71,15 @@ pub(super) fn any_near(a: &[[f32; 3]], b: &[[f32; 3]], distance: WeldDistance) -
 
 /// The same for two nodes, whose points lie in boxes of a few times the distance.
 pub(super) fn near(a: Node<'_>, b: Node<'_>, distance: WeldDistance) -> bool {
-    if a.points.len() * b.points.len() <= FEW_PAIRS {
+    if a.points.len().saturating_mul(b.points.len()) <= FEW_PAIRS {
         return any_near(a.points, b.points, distance);
     }
     let [box_a, box_b] = [a.extent(), b.extent()];
+    // Exact. The limit below has room for rounding, so alone it would compare each pair of points that are hardly more than
+    // the distance apart, such as those beside a sphere and those about its centre.
+    if !distance.reaches(box_a.nearest(&box_b), box_b.nearest(&box_a)) {
+        return false;
+    }
     let towards = box_a.towards(&box_b);
     let length = (towards[0].powi(2) + towards[1].powi(2) + towards[2].powi(2)).sqrt();
     // Rounding adds less than 2⁻⁴⁵ of it.
@@ -139,6 +144,11 @@ impl Extent {
             let between = |a: [f32; 3], b: [f32; 3]| f64::from(b[axis]) - f64::from(a[axis]);
             0.5 * (between(self.low, other.low) + between(self.high, other.high))
         })
+    }
+
+    /// The point of the box that is nearest to another box, for two boxes the ends of a shortest way between them.
+    fn nearest(&self, other: &Self) -> [f32; 3] {
+        [0, 1, 2].map(|axis| other.low[axis].min(self.high[axis]).max(self.low[axis]))
     }
 
     /// The corner that is farthest or nearest along a way.
