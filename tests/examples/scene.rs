@@ -34,7 +34,7 @@ struct Truth {
     tracer: Tracer<(Kind, Vec3)>,
 }
 
-/// What should be seen at a position in the picture, or, by [`Truth::samples`], in a whole pixel.
+/// The surface that should be seen at a position in the picture, or, by [`Truth::samples`], in a whole pixel.
 struct Sample {
     pixel: [u32; 2],
     kind: Kind,

@@ -43,7 +43,7 @@ pub struct SceneRecorder<'a> {
     /// `None`: nothing is drawn.
     pipelines: Option<&'a ShadowPipelines>,
     pub scene: Scene,
-    /// Of rigid casters, a mesh a shape.
+    /// A mesh for each shape of rigid casters.
     pub meshes: Vec<MeshHandle>,
     pub lights: Vec<LightHandle>,
     /// In the order of the setting, but none that walk.
