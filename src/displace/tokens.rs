@@ -1,8 +1,10 @@
 //! Bounds on the tokens of a displacement, checked before naga reads it. naga's parser and evaluator recurse, and they
 //! allocate what an array's type says. Deep or huge source would end the process there.
 
+use std::collections::HashMap;
+
 use super::DisplaceError;
-use super::bounds::{MAX_ARRAY_ELEMENTS, MAX_DECLARATIONS, MAX_NESTING, MAX_SOURCE_BYTES, too_large};
+use super::bounds::{MAX_ARRAY_ELEMENTS, MAX_DECLARATIONS, MAX_EXPANDED, MAX_NESTING, MAX_SOURCE_BYTES, too_large};
 
 /// A word (identifier or number) or a single character, and its line from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,7 +13,7 @@ struct Token<'a> {
     line: u32,
 }
 
-/// Checks size, nesting, declarations and array lengths.
+/// Checks size, nesting, declarations, array lengths and constants.
 pub(super) fn check(source: &str) -> Result<(), DisplaceError> {
     if source.len() > MAX_SOURCE_BYTES {
         return Err(too_large(1, "bytes of source", source.len() as u64, MAX_SOURCE_BYTES as u64));
@@ -19,7 +21,8 @@ pub(super) fn check(source: &str) -> Result<(), DisplaceError> {
     let tokens = tokens(source);
     check_directives(&tokens)?;
     check_nesting(&tokens)?;
-    check_arrays(&tokens)
+    check_arrays(&tokens)?;
+    check_constants(&tokens)
 }
 
 fn tokens(source: &str) -> Vec<Token<'_>> {
@@ -236,6 +239,85 @@ fn initialiser<'a, 'b>(all: &'b [Token<'a>], name: &str) -> Option<&'b [Token<'a
     let statement = all[at..].split(|token| token.text == ";").next()?;
     let equals = statement.iter().position(|token| token.text == "=")?;
     statement.get(equals + 1..)
+}
+
+/// Counts the tokens with constants replaced by their initialisers. `const B = array(A, A);` doubles a constant, so a few
+/// lines can name billions of elements.
+fn check_constants(tokens: &[Token<'_>]) -> Result<(), DisplaceError> {
+    let (mut globals, mut depth, mut begin) = (HashMap::new(), 0_usize, 0);
+    for (at, token) in tokens.iter().enumerate() {
+        match token.text {
+            "{" => depth += 1,
+            "}" => depth = depth.saturating_sub(1),
+            "const" if depth == 0 => begin = at + 1,
+            ";" if depth == 0 && begin > 0 => {
+                if let Some((name, initialiser)) = tokens[begin..at].split_first() {
+                    globals.insert(name.text, initialiser);
+                }
+                begin = 0;
+            }
+            _ => {}
+        }
+    }
+    let mut expanded = Expanded { globals, known: HashMap::new() };
+    let (mut all, mut depth) = (0_u64, 0_usize);
+    // The constant that is being declared, and its tokens so far.
+    let mut declared: Option<(&str, u64)> = None;
+    let mut before = "";
+    for token in tokens {
+        let is_name = std::mem::replace(&mut before, token.text) == "const";
+        if is_name {
+            declared = Some((token.text, 0));
+            continue;
+        }
+        let count = expanded.of(token.text);
+        all = all.saturating_add(count);
+        if all > MAX_EXPANDED {
+            return Err(too_large(token.line, "words and signs with constants written out", all, MAX_EXPANDED));
+        }
+        if let Some((_, sum)) = &mut declared {
+            *sum = sum.saturating_add(count);
+        }
+        match token.text {
+            "{" => depth += 1,
+            "}" => {
+                depth = depth.saturating_sub(1);
+                if depth == 0 {
+                    // Constants of a function end with it.
+                    expanded.known.clear();
+                }
+            }
+            ";" => {
+                if let Some((name, sum)) = declared.take() {
+                    let known = expanded.known.entry(name).or_insert(sum);
+                    *known = sum.max(*known);
+                }
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+struct Expanded<'a, 'b> {
+    /// Constants outside functions, in any order, with what follows their names.
+    globals: HashMap<&'a str, &'b [Token<'a>]>,
+    /// The tokens of constants, written out.
+    known: HashMap<&'a str, u64>,
+}
+
+impl<'a> Expanded<'a, '_> {
+    fn of(&mut self, word: &'a str) -> u64 {
+        if let Some(&count) = self.known.get(word) {
+            return count;
+        }
+        let Some(&initialiser) = self.globals.get(word) else { return 1 };
+        // naga refuses a constant that needs itself.
+        self.known.insert(word, 1);
+        let count = initialiser.iter().fold(0_u64, |sum, token| sum.saturating_add(self.of(token.text)));
+        self.known.insert(word, count);
+        count
+    }
 }
 
 #[cfg(test)]
