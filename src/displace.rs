@@ -55,7 +55,8 @@ pub enum DisplaceError {
     /// * 65,536 elements of an array with a fixed length. The length is a number, or an expression of sums and products
     ///   of numbers and constants. The check multiplies all numbers of the expression, each increased by one, and
     ///   compares the product with this bound. An array of runtime size has no bound.
-    /// * 262,144 words and signs, after every constant is replaced by its initialiser.
+    /// * 262,144 words and signs, after every constant, alias and structure is replaced by what it stands for. An array
+    ///   counts as a sixteenth of its elements more.
     ///
     /// After parsing, they are:
     /// * 8,192 bytes of all private variables.

@@ -10,8 +10,8 @@ use super::{DisplaceError, line_of};
 pub const MAX_SOURCE_BYTES: usize = 1 << 16;
 /// The deepest nesting of brackets and operators. Compilers recurse as deep.
 pub const MAX_NESTING: u64 = 255;
-/// The largest number of words and signs with constants replaced by their initialisers. naga copies a constant into a
-/// function wherever an element is read from it.
+/// The largest number of words and signs with names of constants and types replaced by what they stand for. naga copies a
+/// constant into a function wherever an element is read from it.
 pub(crate) const MAX_EXPANDED: u64 = 1 << 18;
 /// The largest number of declarations outside functions.
 pub(crate) const MAX_DECLARATIONS: u64 = 1023;

@@ -204,6 +204,16 @@ fn constants_that_double_are_refused_before_they_are_copied() {
     ] {
         refused(&source, "constants");
     }
+    // It makes a list of all elements for each of these sums, which are wrong, and goes on.
+    let long = "array<i32, 60000>";
+    for (before, zero) in [
+        (format!("const Z = {long}();"), "Z"),
+        (format!("alias Z = {long};"), "Z()"),
+        (format!("struct Z {{ z: {long} }}"), "Z()"),
+    ] {
+        let sums = format!("_ = {zero} + {zero};\n").repeat(100);
+        refused(&displace(&before, &format!("{{ const Z = 1; }} {sums}")), "constants");
+    }
     accepted(&displace(&format!("const A0 = 1u; {}", lines[..7].concat()), &"_ = A7[0];\n".repeat(100)));
 }
 
