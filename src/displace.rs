@@ -55,6 +55,8 @@ pub enum DisplaceError {
     /// * 65,536 elements of an array with a fixed length. The length is a number, or an expression of sums and products
     ///   of numbers and constants. The check multiplies all numbers of the expression, each increased by one, and
     ///   compares the product with this bound. An array of runtime size has no bound.
+    /// * 262,144 words and signs, after every constant, alias and structure is replaced by what it stands for. An array
+    ///   counts as a sixteenth of its elements more.
     ///
     /// After parsing, they are:
     /// * 8,192 bytes of all private variables.
@@ -114,7 +116,7 @@ impl Displacement {
         let displacement = Self { source: source.to_owned(), uses_resources };
         let composed = displacement.deform_wgsl();
         let module = parse(&composed, source)?;
-        check_defaults(&module, &validate(&module, &composed, source)?, source)?;
+        check_defaults(&module, &validate(&module, &composed, source)?, &composed, source)?;
         Ok(displacement)
     }
 
@@ -183,13 +185,15 @@ fn check_overrides(module: &Module, source: &str) -> Result<(), DisplaceError> {
     }
 }
 
-/// Refuses overrides whose defaults make no number, for example an infinite product. Only making a pipeline computes it.
-fn check_defaults(module: &Module, info: &ModuleInfo, source: &str) -> Result<(), DisplaceError> {
+/// Refuses overrides whose defaults make no number, for example an infinite product, or too large a workgroup array. Only
+/// making a pipeline computes them. `text` begins with `source`.
+fn check_defaults(module: &Module, info: &ModuleInfo, text: &str, source: &str) -> Result<(), DisplaceError> {
     let computed = process_overrides(module, info, None, &PipelineConstants::default());
-    computed.map(|_| ()).map_err(|error| {
+    let (computed, _) = computed.map_err(|error| {
         let spans: Vec<Span> = module.overrides.iter().map(|(handle, _)| module.overrides.get_span(handle)).collect();
         wgsl_error(format!("what the defaults of the overrides come to: {error}"), &spans, source)
-    })
+    })?;
+    bounds::check_variables(&computed, text)
 }
 
 fn line_of(span: Span, source: &str) -> u32 {

@@ -10,14 +10,17 @@ use super::{DisplaceError, line_of};
 pub const MAX_SOURCE_BYTES: usize = 1 << 16;
 /// The deepest nesting of brackets and operators. Compilers recurse as deep.
 pub const MAX_NESTING: u64 = 255;
+/// The largest number of words and signs with names of constants and types replaced by what they stand for. naga copies a
+/// constant into a function wherever an element is read from it.
+pub(crate) const MAX_EXPANDED: u64 = 1 << 18;
 /// The largest number of declarations outside functions.
 pub(crate) const MAX_DECLARATIONS: u64 = 1023;
 /// The largest number of elements of an array with a fixed length.
 pub(crate) const MAX_ARRAY_ELEMENTS: u64 = 1 << 16;
 /// The largest size of all private variables, in bytes.
 pub const MAX_PRIVATE_BYTES: u64 = 8192;
-/// The largest size of one value, and of a function's variables together with those of all functions that it calls, in
-/// bytes.
+/// The largest size of one value, and of a function's variables together with those of the function at each of its calls,
+/// in bytes.
 pub const MAX_FUNCTION_BYTES: u64 = 8192;
 /// The largest size of all workgroup variables, in bytes.
 pub(crate) const MAX_WORKGROUP_BYTES: u64 = 16384;
@@ -30,19 +33,8 @@ pub(super) fn too_large(line: u32, what: &'static str, needed: u64, limit: u64) 
 
 /// Checks what a driver would have to hold: variables, values, and functions inlined into their callers.
 pub(super) fn check(module: &Module, info: &ModuleInfo, source: &str) -> Result<(), DisplaceError> {
-    let size = |ty: Handle<naga::Type>| u64::from(module.types[ty].inner.try_size(module.to_ctx()).unwrap_or(u32::MAX));
-    let (mut private, mut workgroup) = (0, 0);
-    for (handle, variable) in module.global_variables.iter() {
-        let (sum, what, limit) = match variable.space {
-            AddressSpace::Private => (&mut private, "bytes of private variables", MAX_PRIVATE_BYTES),
-            AddressSpace::WorkGroup => (&mut workgroup, "bytes of workgroup variables", MAX_WORKGROUP_BYTES),
-            _ => continue,
-        };
-        *sum += size(variable.ty);
-        if *sum > limit {
-            return Err(too_large(line_of(module.global_variables.get_span(handle), source), what, *sum, limit));
-        }
-    }
+    let size = |ty| size(module, ty);
+    check_variables(module, source)?;
     for (handle, _) in module.global_expressions.iter() {
         let line = || line_of(module.global_expressions.get_span(handle), source);
         check_value(&info[handle], &size, line)?;
@@ -66,6 +58,28 @@ pub(super) fn check(module: &Module, info: &ModuleInfo, source: &str) -> Result<
         costs.push(cost);
     }
     Ok(())
+}
+
+/// Checks private and workgroup variables. Arrays whose lengths are computed from overrides count as empty while the
+/// module has overrides.
+pub(super) fn check_variables(module: &Module, source: &str) -> Result<(), DisplaceError> {
+    let (mut private, mut workgroup) = (0, 0);
+    for (handle, variable) in module.global_variables.iter() {
+        let (sum, what, limit) = match variable.space {
+            AddressSpace::Private => (&mut private, "bytes of private variables", MAX_PRIVATE_BYTES),
+            AddressSpace::WorkGroup => (&mut workgroup, "bytes of workgroup variables", MAX_WORKGROUP_BYTES),
+            _ => continue,
+        };
+        *sum += size(module, variable.ty);
+        if *sum > limit {
+            return Err(too_large(line_of(module.global_variables.get_span(handle), source), what, *sum, limit));
+        }
+    }
+    Ok(())
+}
+
+fn size(module: &Module, ty: Handle<naga::Type>) -> u64 {
+    u64::from(module.types[ty].inner.try_size(module.to_ctx()).unwrap_or(u32::MAX))
 }
 
 fn check_value(

@@ -1,8 +1,11 @@
 //! Bounds on the tokens of a displacement, checked before naga reads it. naga's parser and evaluator recurse, and they
 //! allocate what an array's type says. Deep or huge source would end the process there.
 
+use std::collections::HashMap;
+use std::ops::Range;
+
 use super::DisplaceError;
-use super::bounds::{MAX_ARRAY_ELEMENTS, MAX_DECLARATIONS, MAX_NESTING, MAX_SOURCE_BYTES, too_large};
+use super::bounds::{MAX_ARRAY_ELEMENTS, MAX_DECLARATIONS, MAX_EXPANDED, MAX_NESTING, MAX_SOURCE_BYTES, too_large};
 
 /// A word (identifier or number) or a single character, and its line from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,7 +14,7 @@ struct Token<'a> {
     line: u32,
 }
 
-/// Checks size, nesting, declarations and array lengths.
+/// Checks size, nesting, declarations, array lengths and constants.
 pub(super) fn check(source: &str) -> Result<(), DisplaceError> {
     if source.len() > MAX_SOURCE_BYTES {
         return Err(too_large(1, "bytes of source", source.len() as u64, MAX_SOURCE_BYTES as u64));
@@ -19,7 +22,7 @@ pub(super) fn check(source: &str) -> Result<(), DisplaceError> {
     let tokens = tokens(source);
     check_directives(&tokens)?;
     check_nesting(&tokens)?;
-    check_arrays(&tokens)
+    check_constants(&tokens, &check_arrays(&tokens)?)
 }
 
 fn tokens(source: &str) -> Vec<Token<'_>> {
@@ -141,8 +144,10 @@ fn check_nesting(tokens: &[Token<'_>]) -> Result<(), DisplaceError> {
     Ok(())
 }
 
-/// Checks each `array<T, N>`. naga makes a list of N elements for a constant of this type.
-fn check_arrays(tokens: &[Token<'_>]) -> Result<(), DisplaceError> {
+/// Checks each `array<T, N>`. naga makes a list of N elements for a constant of this type, four bytes each: about a
+/// sixteenth of what it takes for a token. Returns what each token counts.
+fn check_arrays(tokens: &[Token<'_>]) -> Result<Vec<u64>, DisplaceError> {
+    let mut counts = vec![1; tokens.len()];
     let mut lengths = Product { all: tokens, left: MOST_LEAVES };
     for (at, pair) in tokens.windows(2).enumerate() {
         if pair[0].text == "array" && pair[1].text == "<" {
@@ -155,9 +160,10 @@ fn check_arrays(tokens: &[Token<'_>]) -> Result<(), DisplaceError> {
                 }
                 return Err(too_large(line, "possible elements of an array", most, MAX_ARRAY_ELEMENTS));
             }
+            counts[at] += most / 16;
         }
     }
-    Ok(())
+    Ok(counts)
 }
 
 /// The tokens of the second template argument. An array of runtime size has none.
@@ -236,6 +242,87 @@ fn initialiser<'a, 'b>(all: &'b [Token<'a>], name: &str) -> Option<&'b [Token<'a
     let statement = all[at..].split(|token| token.text == ";").next()?;
     let equals = statement.iter().position(|token| token.text == "=")?;
     statement.get(equals + 1..)
+}
+
+/// Counts the tokens with names of constants and types replaced by what they stand for. `const B = array(A, A);` doubles
+/// a constant, so a few lines can name billions of elements.
+fn check_constants(tokens: &[Token<'_>], counts: &[u64]) -> Result<(), DisplaceError> {
+    let (mut globals, mut depth, mut begin) = (HashMap::new(), 0_usize, 0);
+    for (at, token) in tokens.iter().enumerate() {
+        match token.text {
+            "{" => depth += 1,
+            "}" => depth = depth.saturating_sub(1),
+            "const" | "alias" | "struct" if depth == 0 => begin = at + 1,
+            _ => {}
+        }
+        if depth == 0 && begin > 0 && matches!(token.text, ";" | "}") {
+            globals.insert(tokens[begin].text, begin + 1..at);
+            begin = 0;
+        }
+    }
+    let mut expanded = Expanded { tokens, counts, globals, known: HashMap::new() };
+    let (mut all, mut depth) = (0_u64, 0_usize);
+    // The constant that is being declared, and its count so far.
+    let mut declared: Option<(&str, u64)> = None;
+    for (at, token) in tokens.iter().enumerate() {
+        if at > 0 && tokens[at - 1].text == "const" {
+            // A constant of a block does not hide the one of this name from what follows the block.
+            expanded.of(at);
+            declared = Some((token.text, 0));
+            continue;
+        }
+        let count = expanded.of(at);
+        all = all.saturating_add(count);
+        if all > MAX_EXPANDED {
+            return Err(too_large(token.line, "words and signs with constants written out", all, MAX_EXPANDED));
+        }
+        if let Some((_, sum)) = &mut declared {
+            *sum = sum.saturating_add(count);
+        }
+        match token.text {
+            "{" => depth += 1,
+            "}" => {
+                depth = depth.saturating_sub(1);
+                if depth == 0 {
+                    // Constants of a function end with it.
+                    expanded.known.clear();
+                }
+            }
+            ";" => {
+                if let Some((name, sum)) = declared.take() {
+                    let known = expanded.known.entry(name).or_insert(sum);
+                    *known = sum.max(*known);
+                }
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+struct Expanded<'a, 'b> {
+    tokens: &'b [Token<'a>],
+    /// What each token counts by itself.
+    counts: &'b [u64],
+    /// Constants and types outside functions, in any order, with the tokens that declare them.
+    globals: HashMap<&'a str, Range<usize>>,
+    /// The counts of names.
+    known: HashMap<&'a str, u64>,
+}
+
+impl Expanded<'_, '_> {
+    fn of(&mut self, at: usize) -> u64 {
+        let word = self.tokens[at].text;
+        if let Some(&count) = self.known.get(word) {
+            return count;
+        }
+        let Some(declaration) = self.globals.get(word).cloned() else { return self.counts[at] };
+        // naga refuses a name that needs itself.
+        self.known.insert(word, 1);
+        let count = declaration.fold(0_u64, |sum, at| sum.saturating_add(self.of(at)));
+        self.known.insert(word, count);
+        count
+    }
 }
 
 #[cfg(test)]

@@ -187,6 +187,36 @@ fn arrays_of_constants_are_refused_before_they_are_listed() {
     }
 }
 
+/// naga copies all elements of a constant into a function that reads one. With 28 short lines there are 2^28.
+#[test]
+fn constants_that_double_are_refused_before_they_are_copied() {
+    let lines: Vec<String> = (1..18).map(|n| format!("const A{n} = array(A{0}, A{0});\n", n - 1)).collect();
+    let reversed: String = lines.iter().rev().cloned().collect();
+    let (ordered, read) = (lines.concat(), "_ = A17[0];");
+    for source in [
+        displace(&format!("const A0 = 1u; {ordered}"), read),
+        displace(&format!("{reversed} const A0 = 1u;"), read),
+        displace("", &format!("const A0 = 1u; {ordered} {read}")),
+        displace(
+            "const A = array(1u, 1u);",
+            &format!("{} _ = A[0]; {}", "{ const A = array(A, A); ".repeat(17), "}".repeat(17)),
+        ),
+    ] {
+        refused(&source, "constants");
+    }
+    // It makes a list of all elements for each of these sums, which are wrong, and goes on.
+    let long = "array<i32, 60000>";
+    for (before, zero) in [
+        (format!("const Z = {long}();"), "Z"),
+        (format!("alias Z = {long};"), "Z()"),
+        (format!("struct Z {{ z: {long} }}"), "Z()"),
+    ] {
+        let sums = format!("_ = {zero} + {zero};\n").repeat(100);
+        refused(&displace(&before, &format!("{{ const Z = 1; }} {sums}")), "constants");
+    }
+    accepted(&displace(&format!("const A0 = 1u; {}", lines[..7].concat()), &"_ = A7[0];\n".repeat(100)));
+}
+
 /// Drivers inline functions: twice as much with each of the last ones.
 #[test]
 fn variables_of_megabytes_are_refused_before_a_driver_sees_them() {
@@ -196,6 +226,8 @@ fn variables_of_megabytes_are_refused_before_a_driver_sees_them() {
     refused(&displace("var<private> a: array<array<f32, 1000>, 1000>;", "a[vertex][vertex] = time;"), "private");
     refused(&displace("var<private> a: array<f32, 2000>; var<private> b: array<f32, 2000>;", ""), "private");
     refused(&displace("var<workgroup> a: array<f32, 4097>;", "a[vertex] = time;"), "workgroup");
+    // Only defaults say how long it is.
+    refused(&displace("override M = 4096; var<workgroup> a: array<f32, M + 1>;", "a[vertex] = time;"), "workgroup");
     let limit = MAX_FUNCTION_BYTES / 4;
     accepted(&displace("", &format!("var a: array<f32, {limit}>; a[vertex] = time;")));
     refused(&displace("", &format!("var a: array<f32, {}>; a[vertex] = time;", limit + 1)), "variables in a function");

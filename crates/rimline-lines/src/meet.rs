@@ -214,6 +214,11 @@ fn meeting(one: &Face, other: &Face) -> Option<[End; 2]> {
         return None;
     }
     let crossings = [crossings(one, other)?, crossings(other, one)?];
+    // Neighbours whose vertices are not welded meet along an edge of both.
+    let is_edge = |ends: &[(End, [f64; 3]); 2]| ends.iter().all(|(end, _)| matches!(end, End::Vertex(_)));
+    if one.placed == other.placed && crossings.iter().all(is_edge) {
+        return None;
+    }
     // All four are in line, along the axis where they are farthest apart.
     let points = crossings.map(|ends| ends.map(|(_, point)| point));
     let extent = |axis: usize| {
@@ -314,7 +319,7 @@ mod tests {
             ];
             let face = |number: u32| {
                 let corners = corners[number as usize];
-                Face { placed: 0, number, corners, positions: corners.map(|vertex| positions[vertex as usize]) }
+                Face { placed: number, number, corners, positions: corners.map(|vertex| positions[vertex as usize]) }
             };
             let meets = meeting(&face(0), &face(1)).is_some();
             for corners in [corners, [corners[1], corners[0]]] {

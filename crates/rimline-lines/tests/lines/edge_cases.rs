@@ -254,6 +254,20 @@ fn surfaces_meet() {
     let drawing = meetings(&rings);
     let counts = [drawing.chains.len(), drawing.spans.len()];
     assert!(counts[0] < 20 && counts[1] > 100, "{counts:?} chains and spans");
+    // A wall passes through an edge of the floor, in one object and in two.
+    let floor = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.5, 0.0], [-1.0, 0.5, 0.0]];
+    let wall = [[0.0, -2.0, -1.0], [0.0, 3.0, -1.0], [0.0, 0.5, 2.0]];
+    let both = shape([&floor[..], &wall[..]].concat(), &[[0, 2, 1], [0, 1, 3], [4, 5, 6]]);
+    let apart = vec![shape(floor.to_vec(), &[[0, 2, 1], [0, 1, 3]]), shape(wall.to_vec(), &[[0, 1, 2]])];
+    for shapes in [vec![both], apart] {
+        let length = length(&meetings(&shapes));
+        assert!((length - 1.0).abs() < 1e-9, "{length}");
+    }
+    // Neighbours that are not welded.
+    let [p, q] = [[0.0, 0.0, 1.0], [0.0, 1.0, 1.0]];
+    let positions = vec![p, q, [1.0, 0.5, 0.0], p, q, [-1.0, 0.5, 0.0]];
+    let mesh = Mesh::new(&positions, &[[0, 2, 1], [3, 4, 5]], Weld::Keep).expect("a mesh");
+    assert!(meetings(&[Shape { positions, mesh }]).spans.is_empty());
     // A face without an area takes no line of others away, though its vertex, which no other face has, is NaN.
     let ends =
         [[0.0, 0.0, 0.5], [1.0, 0.0, 0.5], [0.4, 1.0, 0.5], [0.5, 0.25, 0.0], [0.5, 0.25, 1.0], [0.5, 0.75, 0.4]];

@@ -71,12 +71,13 @@ impl Page {
         let _ = self.window.request_animation_frame(call.unchecked_ref());
     }
 
+    /// Calls a function after some seconds.
     pub(super) fn after(&self, seconds: f64, call: impl FnOnce() + 'static) {
         let (call, milliseconds) = (Closure::once_into_js(call), (seconds * 1e3).clamp(0.0, 1e9) as i32);
         let _ = self.window.set_timeout_with_callback_and_timeout_and_arguments_0(call.unchecked_ref(), milliseconds);
     }
 
-    /// Lets the browser save a file.
+    /// Lets the browser save a PNG file.
     pub(super) fn download(&self, name: &str, bytes: &[u8]) -> Result<(), JsValue> {
         let parts = js_sys::Array::of1(&js_sys::Uint8Array::from(bytes));
         let options = web_sys::BlobPropertyBag::new();
@@ -92,13 +93,16 @@ impl Page {
         Ok(())
     }
 
-    /// The maker and kind of the GPU, as far as the browser tells them.
+    /// The maker and kind of the GPU that `super::open` opens, as far as the browser tells them.
     pub(super) async fn gpu(&self) -> String {
         let get = |object: &JsValue, name: &str| js_sys::Reflect::get(object, &name.into()).unwrap_or_default();
         let gpu = get(&self.window.navigator(), "gpu");
         let adapter = async {
             let request: js_sys::Function = get(&gpu, "requestAdapter").dyn_into().ok()?;
-            let promise: js_sys::Promise = request.call0(&gpu).ok()?.dyn_into().ok()?;
+            // Another preference may name another GPU.
+            let options = JsValue::from(js_sys::Object::new());
+            js_sys::Reflect::set(&options, &"powerPreference".into(), &"high-performance".into()).ok()?;
+            let promise: js_sys::Promise = request.call1(&gpu, &options).ok()?.dyn_into().ok()?;
             JsFuture::from(promise).await.ok()
         };
         let info = adapter.await.map(|adapter| get(&adapter, "info")).unwrap_or_default();
