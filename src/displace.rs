@@ -193,7 +193,8 @@ fn check_defaults(module: &Module, info: &ModuleInfo, text: &str, source: &str) 
         let spans: Vec<Span> = module.overrides.iter().map(|(handle, _)| module.overrides.get_span(handle)).collect();
         wgsl_error(format!("what the defaults of the overrides come to: {error}"), &spans, source)
     })?;
-    bounds::check_variables(&computed, text)
+    // Private variables have no such lengths, and some are those of the stage.
+    bounds::check_variables(&computed, text, &[naga::AddressSpace::WorkGroup])
 }
 
 fn line_of(span: Span, source: &str) -> u32 {

@@ -34,7 +34,7 @@ pub(super) fn too_large(line: u32, what: &'static str, needed: u64, limit: u64) 
 /// Checks what a driver would have to hold: variables, values, and functions inlined into their callers.
 pub(super) fn check(module: &Module, info: &ModuleInfo, source: &str) -> Result<(), DisplaceError> {
     let size = |ty| size(module, ty);
-    check_variables(module, source)?;
+    check_variables(module, source, &[AddressSpace::Private, AddressSpace::WorkGroup])?;
     for (handle, _) in module.global_expressions.iter() {
         let line = || line_of(module.global_expressions.get_span(handle), source);
         check_value(&info[handle], &size, line)?;
@@ -60,11 +60,11 @@ pub(super) fn check(module: &Module, info: &ModuleInfo, source: &str) -> Result<
     Ok(())
 }
 
-/// Checks private and workgroup variables. Arrays whose lengths are computed from overrides count as empty while the
-/// module has overrides.
-pub(super) fn check_variables(module: &Module, source: &str) -> Result<(), DisplaceError> {
+/// Checks the private or workgroup variables in these address spaces. Workgroup arrays whose lengths are computed from
+/// overrides count as empty while the module has overrides.
+pub(super) fn check_variables(module: &Module, source: &str, spaces: &[AddressSpace]) -> Result<(), DisplaceError> {
     let (mut private, mut workgroup) = (0, 0);
-    for (handle, variable) in module.global_variables.iter() {
+    for (handle, variable) in module.global_variables.iter().filter(|(_, variable)| spaces.contains(&variable.space)) {
         let (sum, what, limit) = match variable.space {
             AddressSpace::Private => (&mut private, "bytes of private variables", MAX_PRIVATE_BYTES),
             AddressSpace::WorkGroup => (&mut workgroup, "bytes of workgroup variables", MAX_WORKGROUP_BYTES),

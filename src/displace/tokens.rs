@@ -302,7 +302,7 @@ fn check_constants(tokens: &[Token<'_>], counts: &[u64]) -> Result<(), DisplaceE
 
 struct Expanded<'a, 'b> {
     tokens: &'b [Token<'a>],
-    /// What each token counts by itself.
+    /// The count of each token by itself.
     counts: &'b [u64],
     /// Constants and types outside functions, in any order, with the tokens that declare them.
     globals: HashMap<&'a str, Range<usize>>,
