@@ -385,7 +385,7 @@ fn recount() -> Result<(), String> {
 }
 
 /// A workgroup for each listed pair and each of three groups, in rows and layers where the device allows few. Its limit
-/// may be the largest number, as that of MoltenVK is.
+/// may be the largest number of 32 bits, as some drivers say it.
 fn arguments() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let range = uniform(gpu, &FaceRange { first: 32, end: 127, is_first: 0, before: 0 });
