@@ -60,7 +60,7 @@ pub enum DisplaceError {
     ///
     /// After parsing, they are:
     /// * 8,192 bytes of all private variables.
-    /// * 8,192 bytes of one value, and of a function's variables together with those of all functions that it calls.
+    /// * 8,192 bytes of one value, and of a function's variables together with those of a called function once for each call.
     /// * 16,384 bytes of all workgroup variables.
     /// * 65,536 statements and expressions in a function, after every call is replaced by the function that it calls.
     #[error(

@@ -19,8 +19,8 @@ pub(crate) const MAX_DECLARATIONS: u64 = 1023;
 pub(crate) const MAX_ARRAY_ELEMENTS: u64 = 1 << 16;
 /// The largest size of all private variables, in bytes.
 pub const MAX_PRIVATE_BYTES: u64 = 8192;
-/// The largest size of one value, and of a function's variables together with those of the function at each of its calls,
-/// in bytes.
+/// The largest size of one value, and of a function's variables together with those of a called function once for each
+/// call, in bytes.
 pub const MAX_FUNCTION_BYTES: u64 = 8192;
 /// The largest size of all workgroup variables, in bytes.
 pub(crate) const MAX_WORKGROUP_BYTES: u64 = 16384;

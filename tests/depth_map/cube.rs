@@ -143,7 +143,7 @@ fn lists() -> Result<(), String> {
     let (gpu, mut random) = Gpu::seeded(1656)?;
     let pipelines = pipelines(&gpu, REVERSED, 7..8)?;
     let (mut shared, mut listed, mut continued, mut without) = (0, 0, 0, 0);
-    for round in 0..48 {
+    for round in 0..96 {
         let side = 3 + random.below(8) as u32;
         let mut cube = cube_of(&mut random, side);
         let is_reversed = cube.cameras[0].depth == REVERSED;

@@ -50,8 +50,9 @@ fn rim_offset(last: vec2<i32>, step: vec2<i32>) -> i32 {
 
 // How much the distance of a surface grows from its last sample, which must not be FAR, to an offset of at most TEXEL. It
 // grows at the rate of the last difference, or not at all if the edge before the sample is marked. Without a threshold the
-// rate is the minmod of the last two differences, if the surface has two. `approach_bound` (depth_near.wgsl) relies on this: a
-// surface comes nearer to the light at no larger rate than the last difference.
+// rate is the minmod of the last two differences (the smaller one, or 0 if their signs differ), if the surface has two.
+// `approach_bound` (depth_near.wgsl) relies on this: a surface comes nearer to the light at no larger rate than the last
+// difference.
 // Before a rim the surface bends away from the light. So where differences grow, the rate is multiplied by the square of
 // their ratio. The ratio counts as 2 if it is larger, and the difference as RANGE / 8.
 fn extrapolated_rise(sample: vec2<i32>, step: vec2<i32>, offset: i32) -> i32 {

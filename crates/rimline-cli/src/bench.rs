@@ -265,7 +265,8 @@ pub(crate) struct BenchArgs {
     #[arg(long)]
     pub(crate) quick: bool,
 
-    /// The folder for the report: index.html, plots as PNG, data.json. It is made if it does not exist
+    /// The folder for the report: index.html, plots as PNG, data.json. It is made if it does not exist. No input may be one of
+    /// these files
     #[arg(long, value_name = "DIR")]
     pub(crate) report: Option<PathBuf>,
 
@@ -288,7 +289,7 @@ pub(crate) struct BenchArgs {
 
     /// Numbers of casters for the scenes `casters`, `still`, `city`, `crowd`, `moving` and `house`, or `none`: boxes, and up
     /// to 1,000 figures of 4,000 faces, in `house` 108 [default: `casters` 1, 10, 100, 200, 1,000 and 10,000 (quick: 1, 10
-    /// and 100), `city` 10,000 (quick: 100), `still` and `crowd` 1,000, `moving` 200, `house` 100 (quick: 20)]
+    /// and 100), `city` 10,000 (quick: 100), `still` and `crowd` 1,000, `moving` 200, `house` 100 (quick: 20 each)]
     #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = count(100_000, "casters up to 100,000"))]
     pub(crate) casters: Option<Vec<usize>>,
 

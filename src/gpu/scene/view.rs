@@ -31,9 +31,9 @@ pub struct View<'a> {
     /// in which no receiver can be are then culled, which makes the draws faster. The view's lists are then cached only
     /// if [`Receivers::version`] says that the depth is the same. Default: `None`.
     pub depth: Option<Receivers<'a>>,
-    /// The lights whose shadows are drawn in this view. Volumes are prepared and models deformed for no others, and
-    /// [`SceneFrame::draw`](crate::gpu::SceneFrame::draw) refuses others. [Leave out](LightMask::without) a light of the
-    /// scene that is the eye of outlines. Default: all.
+    /// The lights whose shadows are drawn in this view. For others no volumes are prepared, nor models deformed that the
+    /// view does not see, and [`SceneFrame::draw`](crate::gpu::SceneFrame::draw) refuses them.
+    /// [Leave out](LightMask::without) a light of the scene that is the eye of outlines. Default: all.
     pub lights: LightMask,
 }
 
