@@ -193,10 +193,21 @@ fn constants_that_double_are_refused_before_they_are_copied() {
     let lines: Vec<String> = (1..18).map(|n| format!("const A{n} = array(A{0}, A{0});\n", n - 1)).collect();
     let reversed: String = lines.iter().rev().cloned().collect();
     let (ordered, read) = (lines.concat(), "_ = A17[0];");
+    // Other names, of one more character.
+    let others: String = (1..18).map(|n| format!("const A{n}\u{301} = 1u;\n")).collect();
+    // Members with the names of constants that need these.
+    let members: String = (1..12).map(|n| format!("A{n}: i32, ")).collect();
+    let of_members = |n: i32| format!("const A{n} = array(A{0}, array(A{0}, A{0})[Q().A{1}]);\n", n - 1, n + 1);
+    let of_members: String = (1..11).map(of_members).collect();
     for source in [
         displace(&format!("const A0 = 1u; {ordered}"), read),
         displace(&format!("{reversed} const A0 = 1u;"), read),
         displace("", &format!("const A0 = 1u; {ordered} {read}")),
+        displace(&format!("const A0 = 1u; //\r{}", ordered.replace('\n', " ")), read),
+        displace(&format!("const A0 = 1u; //\u{2028}{}", ordered.replace('\n', " ")), read),
+        displace(&format!("const A0 = 1u; {}", ordered.replace("const ", "const \u{200e}")), read),
+        displace(&format!("{reversed} const A0 = 1u; {others}"), read),
+        displace(&format!("struct Q {{ {members} }} const A0 = 1u; {of_members}"), "_ = A10[0];"),
         displace(
             "const A = array(1u, 1u);",
             &format!("{} _ = A[0]; {}", "{ const A = array(A, A); ".repeat(17), "}".repeat(17)),
