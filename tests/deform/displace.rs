@@ -239,6 +239,7 @@ fn variables_of_megabytes_are_refused_before_a_driver_sees_them() {
     refused(&displace("var<workgroup> a: array<f32, 4097>;", "a[vertex] = time;"), "workgroup");
     // Only defaults say how long it is.
     refused(&displace("override M = 4096; var<workgroup> a: array<f32, M + 1>;", "a[vertex] = time;"), "workgroup");
+    accepted(&displace("override M = 4095; var<workgroup> a: array<f32, M + 1>;", "a[vertex] = time;"));
     let limit = MAX_FUNCTION_BYTES / 4;
     accepted(&displace("", &format!("var a: array<f32, {limit}>; a[vertex] = time;")));
     refused(&displace("", &format!("var a: array<f32, {}>; a[vertex] = time;", limit + 1)), "variables in a function");
