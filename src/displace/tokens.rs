@@ -271,7 +271,7 @@ fn check_constants(tokens: &[Token<'_>], counts: &[u64]) -> Result<(), DisplaceE
             begin = 0;
         }
     }
-    let mut expanded = Expanded { tokens, counts, globals, known: HashMap::new() };
+    let mut expanded = Expanded { tokens, counts, globals, known: HashMap::new(), cyclic: None };
     let (mut all, mut depth) = (0_u64, 0_usize);
     // The counts of the function's constants.
     let mut locals: HashMap<&str, u64> = HashMap::new();
@@ -284,6 +284,11 @@ fn check_constants(tokens: &[Token<'_>], counts: &[u64]) -> Result<(), DisplaceE
         }
         let count = locals.get(token.text).copied().unwrap_or_else(|| expanded.of(at));
         all = all.saturating_add(count);
+        if let Some(Token { text, line }) = expanded.cyclic {
+            let name: String = text.chars().take(LONGEST_NAME).collect();
+            let message = format!("declaration of `{name}` is cyclic");
+            return Err(DisplaceError::Wgsl { line, column: 1, message });
+        }
         if all > MAX_EXPANDED {
             return Err(too_large(token.line, "words and signs with constants written out", all, MAX_EXPANDED));
         }
@@ -318,24 +323,28 @@ struct Expanded<'a, 'b> {
     counts: &'b [u64],
     /// Constants and types outside functions, in any order, with the tokens that declare them.
     globals: HashMap<&'a str, Range<usize>>,
-    /// The counts of those so far.
-    known: HashMap<&'a str, u64>,
+    /// The counts of those so far. `None` while one is counted.
+    known: HashMap<&'a str, Option<u64>>,
+    /// A name that needs itself. naga would refuse it, too.
+    cyclic: Option<Token<'a>>,
 }
 
 impl Expanded<'_, '_> {
     fn of(&mut self, at: usize) -> u64 {
         let word = self.tokens[at].text;
         if let Some(&count) = self.known.get(word) {
-            return count;
+            if count.is_none() {
+                self.cyclic = Some(self.tokens[at]);
+            }
+            return count.unwrap_or(1);
         }
         let Some(declaration) = self.globals.get(word).cloned() else { return self.counts[at] };
-        // A name that needs itself has no end.
-        self.known.insert(word, u64::MAX);
+        self.known.insert(word, None);
         let count = declaration.fold(0_u64, |sum, at| {
             let is_member = self.is_member(at);
             sum.saturating_add(if is_member { self.counts[at] } else { self.of(at) })
         });
-        self.known.insert(word, count);
+        self.known.insert(word, Some(count));
         count
     }
 

@@ -75,6 +75,7 @@ fn wgsl_errors_point_at_the_line() {
     }
     // Nothing gives it a value, so the pipeline could not be made.
     wgsl_error_at(&format!("{GOOD}\noverride AMPLITUDE: f32;"), 2, "AMPLITUDE");
+    wgsl_error_at(&format!("const A = B;\nconst B = A;\n{GOOD}"), 1, "cyclic");
     // naga computes overrides only for a pipeline, which a number out of range would fail: 2^100 is a float.
     let powers = |count| {
         let returned = format!("return {} * position", vec!["SCALE"; count].join(" * "));
