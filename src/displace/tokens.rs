@@ -30,7 +30,7 @@ fn tokens(source: &str) -> Vec<Token<'_>> {
     let mut rest = source;
     while let Some(first) = rest.chars().next() {
         let length = if rest.starts_with("//") {
-            rest.find('\n').unwrap_or(rest.len())
+            rest.find(ends_line).unwrap_or(rest.len())
         } else if rest.starts_with("/*") {
             block_comment(rest)
         } else if is_word(first) {
@@ -39,7 +39,7 @@ fn tokens(source: &str) -> Vec<Token<'_>> {
             first.len_utf8()
         };
         let (text, after) = rest.split_at(length);
-        if !text.starts_with("//") && !text.starts_with("/*") && !first.is_whitespace() {
+        if !text.starts_with("//") && !text.starts_with("/*") && !is_blank(first) {
             tokens.push(Token { text, line });
         }
         line += text.matches('\n').count() as u32;
@@ -48,8 +48,19 @@ fn tokens(source: &str) -> Vec<Token<'_>> {
     tokens
 }
 
+/// Whether a line comment of naga ends here.
+fn ends_line(c: char) -> bool {
+    matches!(c, '\n'..='\r' | '\u{85}' | '\u{2028}' | '\u{2029}')
+}
+
+/// Whether it is blank space for naga.
+fn is_blank(c: char) -> bool {
+    ends_line(c) || matches!(c, ' ' | '\t' | '\u{200e}' | '\u{200f}')
+}
+
+/// Whether it may be in a word. naga refuses some of those beyond ASCII.
 fn is_word(c: char) -> bool {
-    c.is_alphanumeric() || c == '_'
+    c.is_ascii_alphanumeric() || c == '_' || !c.is_ascii() && !is_blank(c)
 }
 
 /// The length of the block comment at the start of `text`. Block comments may be nested.
@@ -260,19 +271,24 @@ fn check_constants(tokens: &[Token<'_>], counts: &[u64]) -> Result<(), DisplaceE
             begin = 0;
         }
     }
-    let mut expanded = Expanded { tokens, counts, globals, known: HashMap::new() };
+    let mut expanded = Expanded { tokens, counts, globals, known: HashMap::new(), cyclic: None };
     let (mut all, mut depth) = (0_u64, 0_usize);
-    // The constant that is being declared, and its count so far.
-    let mut declared: Option<(&str, u64)> = None;
+    // The counts of the function's constants.
+    let mut locals: HashMap<&str, u64> = HashMap::new();
+    // The constant that is being declared in it, and its count so far.
+    let mut declared: Option<(usize, u64)> = None;
     for (at, token) in tokens.iter().enumerate() {
         if at > 0 && tokens[at - 1].text == "const" {
-            // A constant of a block does not hide the one of this name from what follows the block.
-            expanded.of(at);
-            declared = Some((token.text, 0));
+            declared = (depth > 0).then_some((at, 0));
             continue;
         }
-        let count = expanded.of(at);
+        let count = locals.get(token.text).copied().unwrap_or_else(|| expanded.of(at));
         all = all.saturating_add(count);
+        if let Some(Token { text, line }) = expanded.cyclic {
+            let name: String = text.chars().take(LONGEST_NAME).collect();
+            let message = format!("declaration of `{name}` is cyclic");
+            return Err(DisplaceError::Wgsl { line, column: 1, message });
+        }
         if all > MAX_EXPANDED {
             return Err(too_large(token.line, "words and signs with constants written out", all, MAX_EXPANDED));
         }
@@ -285,12 +301,13 @@ fn check_constants(tokens: &[Token<'_>], counts: &[u64]) -> Result<(), DisplaceE
                 depth = depth.saturating_sub(1);
                 if depth == 0 {
                     // Constants of a function end with it.
-                    expanded.known.clear();
+                    locals.clear();
                 }
             }
             ";" => {
                 if let Some((name, sum)) = declared.take() {
-                    let known = expanded.known.entry(name).or_insert(sum);
+                    // A constant of a block does not hide the one of this name from what follows the block.
+                    let known = locals.entry(tokens[name].text).or_insert_with(|| expanded.of(name));
                     *known = sum.max(*known);
                 }
             }
@@ -306,22 +323,36 @@ struct Expanded<'a, 'b> {
     counts: &'b [u64],
     /// Constants and types outside functions, in any order, with the tokens that declare them.
     globals: HashMap<&'a str, Range<usize>>,
-    /// The counts of names.
-    known: HashMap<&'a str, u64>,
+    /// The counts of those so far. `None` while one is counted.
+    known: HashMap<&'a str, Option<u64>>,
+    /// A name that needs itself. naga would refuse it, too.
+    cyclic: Option<Token<'a>>,
 }
 
 impl Expanded<'_, '_> {
     fn of(&mut self, at: usize) -> u64 {
         let word = self.tokens[at].text;
         if let Some(&count) = self.known.get(word) {
-            return count;
+            if count.is_none() {
+                self.cyclic = Some(self.tokens[at]);
+            }
+            return count.unwrap_or(1);
         }
         let Some(declaration) = self.globals.get(word).cloned() else { return self.counts[at] };
-        // naga refuses a name that needs itself.
-        self.known.insert(word, 1);
-        let count = declaration.fold(0_u64, |sum, at| sum.saturating_add(self.of(at)));
-        self.known.insert(word, count);
+        self.known.insert(word, None);
+        let count = declaration.fold(0_u64, |sum, at| {
+            let is_member = self.is_member(at);
+            sum.saturating_add(if is_member { self.counts[at] } else { self.of(at) })
+        });
+        self.known.insert(word, Some(count));
         count
+    }
+
+    /// Whether a word of a constant, alias or structure names a member or an attribute. These are no constants or types.
+    fn is_member(&self, at: usize) -> bool {
+        let is = |token: Option<&Token<'_>>, text: &str| token.is_some_and(|token| token.text == text);
+        let before = at.checked_sub(1).and_then(|at| self.tokens.get(at));
+        is(before, ".") || is(before, "@") || is(self.tokens.get(at + 1), ":")
     }
 }
 

@@ -75,6 +75,7 @@ fn wgsl_errors_point_at_the_line() {
     }
     // Nothing gives it a value, so the pipeline could not be made.
     wgsl_error_at(&format!("{GOOD}\noverride AMPLITUDE: f32;"), 2, "AMPLITUDE");
+    wgsl_error_at(&format!("const A = B;\nconst B = A;\n{GOOD}"), 1, "cyclic");
     // naga computes overrides only for a pipeline, which a number out of range would fail: 2^100 is a float.
     let powers = |count| {
         let returned = format!("return {} * position", vec!["SCALE"; count].join(" * "));
@@ -193,10 +194,21 @@ fn constants_that_double_are_refused_before_they_are_copied() {
     let lines: Vec<String> = (1..18).map(|n| format!("const A{n} = array(A{0}, A{0});\n", n - 1)).collect();
     let reversed: String = lines.iter().rev().cloned().collect();
     let (ordered, read) = (lines.concat(), "_ = A17[0];");
+    // Other names, of one more character.
+    let others: String = (1..18).map(|n| format!("const A{n}\u{301} = 1u;\n")).collect();
+    // Members with the names of constants that need these.
+    let members: String = (1..12).map(|n| format!("A{n}: i32, ")).collect();
+    let of_members = |n: i32| format!("const A{n} = array(A{0}, array(A{0}, A{0})[Q().A{1}]);\n", n - 1, n + 1);
+    let of_members: String = (1..11).map(of_members).collect();
     for source in [
         displace(&format!("const A0 = 1u; {ordered}"), read),
         displace(&format!("{reversed} const A0 = 1u;"), read),
         displace("", &format!("const A0 = 1u; {ordered} {read}")),
+        displace(&format!("const A0 = 1u; //\r{}", ordered.replace('\n', " ")), read),
+        displace(&format!("const A0 = 1u; //\u{2028}{}", ordered.replace('\n', " ")), read),
+        displace(&format!("const A0 = 1u; {}", ordered.replace("const ", "const \u{200e}")), read),
+        displace(&format!("{reversed} const A0 = 1u; {others}"), read),
+        displace(&format!("struct Q {{ {members} }} const A0 = 1u; {of_members}"), "_ = A10[0];"),
         displace(
             "const A = array(1u, 1u);",
             &format!("{} _ = A[0]; {}", "{ const A = array(A, A); ".repeat(17), "}".repeat(17)),
@@ -228,6 +240,7 @@ fn variables_of_megabytes_are_refused_before_a_driver_sees_them() {
     refused(&displace("var<workgroup> a: array<f32, 4097>;", "a[vertex] = time;"), "workgroup");
     // Only defaults say how long it is.
     refused(&displace("override M = 4096; var<workgroup> a: array<f32, M + 1>;", "a[vertex] = time;"), "workgroup");
+    accepted(&displace("override M = 4095; var<workgroup> a: array<f32, M + 1>;", "a[vertex] = time;"));
     let limit = MAX_FUNCTION_BYTES / 4;
     accepted(&displace("", &format!("var a: array<f32, {limit}>; a[vertex] = time;")));
     refused(&displace("", &format!("var a: array<f32, {}>; a[vertex] = time;", limit + 1)), "variables in a function");
