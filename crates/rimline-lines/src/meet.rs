@@ -214,13 +214,14 @@ fn meeting(one: &Face, other: &Face) -> Option<[End; 2]> {
         return None;
     }
     let crossings = [crossings(one, other)?, crossings(other, one)?];
-    // Neighbours whose vertices are not welded meet along an edge of both.
+    let points = crossings.map(|ends| ends.map(|(_, point)| point));
+    // Neighbours whose vertices are not welded meet along one edge of both.
     let is_edge = |ends: &[(End, [f64; 3]); 2]| ends.iter().all(|(end, _)| matches!(end, End::Vertex(_)));
-    if one.placed == other.placed && crossings.iter().all(is_edge) {
+    let [[a, b], ends] = points;
+    if one.placed == other.placed && crossings.iter().all(is_edge) && (ends == [a, b] || ends == [b, a]) {
         return None;
     }
     // All four are in line, along the axis where they are farthest apart.
-    let points = crossings.map(|ends| ends.map(|(_, point)| point));
     let extent = |axis: usize| {
         let all = || points.as_flattened().iter().map(|point| point[axis]);
         all().fold(f64::NEG_INFINITY, f64::max) - all().fold(f64::INFINITY, f64::min)

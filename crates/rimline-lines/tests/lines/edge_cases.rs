@@ -257,11 +257,19 @@ fn surfaces_meet() {
     // A wall passes through an edge of the floor, in one object and in two.
     let floor = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.5, 0.0], [-1.0, 0.5, 0.0]];
     let wall = [[0.0, -2.0, -1.0], [0.0, 3.0, -1.0], [0.0, 0.5, 2.0]];
-    let both = shape([&floor[..], &wall[..]].concat(), &[[0, 2, 1], [0, 1, 3], [4, 5, 6]]);
-    let apart = vec![shape(floor.to_vec(), &[[0, 2, 1], [0, 1, 3]]), shape(wall.to_vec(), &[[0, 1, 2]])];
-    for shapes in [vec![both], apart] {
-        let length = length(&meetings(&shapes));
-        assert!((length - 1.0).abs() < 1e-9, "{length}");
+    // Another one has an edge there, which has a half of it.
+    let with_edge = [[0.0, 0.5, 0.0], [0.0, 1.5, 0.0], [0.0, 1.0, 1.0], [0.0, 1.0, -1.0]];
+    for (wall, faces, expected) in
+        [(&wall[..], &[[0_u32, 1, 2]][..], 1.0), (&with_edge[..], &[[0, 1, 2], [1, 0, 3]][..], 0.5)]
+    {
+        let floor_faces = [[0, 2, 1], [0, 1, 3]];
+        let moved = faces.iter().map(|face| face.map(|corner| corner + 4));
+        let all: Vec<[u32; 3]> = floor_faces.into_iter().chain(moved).collect();
+        let both = shape([&floor[..], wall].concat(), &all);
+        for shapes in [vec![both], vec![shape(floor.to_vec(), &floor_faces), shape(wall.to_vec(), faces)]] {
+            let length = length(&meetings(&shapes));
+            assert!((length - expected).abs() < 1e-9, "{length}, expected {expected}");
+        }
     }
     // Neighbours that are not welded.
     let [p, q] = [[0.0, 0.0, 1.0], [0.0, 1.0, 1.0]];
