@@ -195,9 +195,9 @@ fn constants_that_double_are_refused_before_they_are_copied() {
     let reversed: String = lines.iter().rev().cloned().collect();
     let (ordered, read) = (lines.concat(), "_ = A17[0];");
     // Other names, of one more character.
-    let others: String = (1..18).map(|n| format!("const A{n}\u{301} = 1u;\n")).collect();
+    let others = (1..18).map(|n| format!("const A{n}\u{301} = 1u;\n")).collect::<Vec<_>>().concat();
     // Members with the names of constants that need these.
-    let members: String = (1..12).map(|n| format!("A{n}: i32, ")).collect();
+    let members = (1..12).map(|n| format!("A{n}: i32, ")).collect::<Vec<_>>().concat();
     let of_members = |n: i32| format!("const A{n} = array(A{0}, array(A{0}, A{0})[Q().A{1}]);\n", n - 1, n + 1);
     let of_members: String = (1..11).map(of_members).collect();
     for source in [
